@@ -1,0 +1,15 @@
+# Third-party libraries. Each is included by one room of the house only (docs/architecture.md).
+
+find_package(Threads REQUIRED)
+find_package(TBB REQUIRED)
+find_package(embree 3.13 REQUIRED)
+find_package(OpenEXR 3.1 REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
+find_package(fmt REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(draco REQUIRED)
+find_package(hwy REQUIRED)
+
+find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
+find_library(TINYGLTF_LIBRARY tinygltf REQUIRED)
+find_path(STB_INCLUDE_DIR stb/stb_image_write.h REQUIRED)

@@ -1,0 +1,26 @@
+# Compiler settings that every target of the project shares.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+add_library(kairos_options INTERFACE)
+target_compile_options(kairos_options INTERFACE
+  -Wall -Wextra -Wpedantic -Werror -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual
+  # A fused multiply-add is not antisymmetric: two triangles that share an edge would no longer agree on the instant at
+  # which one hands over to the other (docs/method.md, "Watertightness").
+  -ffp-contract=off)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # False positives of GCC 12 in optimised standard-library code.
+  target_compile_options(kairos_options INTERFACE
+    -Wno-restrict -Wno-array-bounds -Wno-stringop-overflow -Wno-maybe-uninitialized)
+endif()
+if(KAIROS_SANITIZE)
+  target_compile_options(kairos_options INTERFACE -fsanitize=${KAIROS_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(kairos_options INTERFACE -fsanitize=${KAIROS_SANITIZE})
+  if(KAIROS_SANITIZE MATCHES "undefined")
+    target_compile_options(kairos_options INTERFACE -fno-sanitize-recover=all)
+  endif()
+endif()

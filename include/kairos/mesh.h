@@ -1,0 +1,41 @@
+// Triangle meshes whose vertices move linearly between motion keys: what the kernels trace.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <kairos/vec.h>
+
+namespace kairos {
+
+using Triangle = std::array<uint32_t, 3>;  ///< vertex indices, counter-clockwise seen from the front
+
+/// One mesh during one opening of the shutter.
+///
+/// Invariants (validate_mesh checks them): every index is below vertex_count(); all keys have the same number of
+/// vertices; all positions are finite. With one key the mesh is static and key_times is ignored; with more, key_times
+/// ascends from 0 (shutter opens) to 1 (shutter closes), and vertices move linearly between neighbouring keys. Two
+/// neighbours with equal times are a jump: the mesh is at the first one before that instant and at the second one from
+/// it on.
+struct Mesh {
+  std::string name;
+  std::vector<Triangle> triangles;
+  std::vector<float> key_times;               ///< [key], shutter time
+  std::vector<std::vector<Vec3f>> positions;  ///< [key][vertex]
+  std::vector<std::vector<Vec3f>> normals;    ///< empty, or [1 or key][vertex]; unit, world space
+  std::vector<Vec2f> uvs;                     ///< empty, or [vertex]
+  std::vector<uint32_t> prim_ids;  ///< empty, or [triangle]: its number in the source, where some were dropped
+  uint32_t material = 0;
+
+  size_t key_count() const { return positions.size(); }
+  size_t vertex_count() const { return positions.empty() ? 0 : positions.front().size(); }
+  bool is_static() const { return positions.size() < 2; }
+  uint32_t prim_id(uint32_t triangle) const { return prim_ids.empty() ? triangle : prim_ids[triangle]; }
+};
+
+/// Throws Error(bad_input) that names the first broken invariant.
+void validate_mesh(const Mesh& mesh);
+
+}  // namespace kairos

@@ -1,0 +1,98 @@
+// A scene as files describe it, and one opening of the shutter on it.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <kairos/mesh.h>
+
+namespace kairos {
+
+struct Material {
+  enum class AlphaMode { opaque, mask, blend };
+
+  std::string name;
+  Vec3f base_color{0.8f, 0.8f, 0.8f};  ///< linear Rec. 709
+  Vec3f emission{0, 0, 0};             ///< linear, scene-referred
+  float metallic = 0;
+  float roughness = 1;
+  float transmission = 0;
+  float ior = 1.5f;
+  float alpha = 1;
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  float alpha_cutoff = 0.5f;
+  bool double_sided = true;
+  std::string base_color_texture;  ///< path of an image, empty for none
+};
+
+struct PointLight {
+  Vec3f position, intensity;
+};
+struct DirectionalLight {
+  Vec3f direction, irradiance;  ///< direction: in which the light travels
+};
+struct ConstantLight {
+  Vec3f radiance;
+};
+using Light = std::variant<PointLight, DirectionalLight, ConstantLight>;
+
+/// Picks what a scene file offers several of.
+struct LoadOptions {
+  std::string animation;   ///< name or index of a glTF animation; empty: the first
+  std::string gltf_scene;  ///< name or index of a glTF scene; empty: the default one
+  bool strict = false;     ///< a bad triangle or an unsupported feature is an error, not a warning
+};
+
+/// A scene over all of its time: meshes with motion of any kind, cameras, materials. Made by load_scene; opaque here,
+/// since what one traces is a Shot of it.
+struct Scene;
+
+/// Reads OBJ, PLY, glTF 2.0, GLB and native JSON. Several OBJ or PLY files are motion keys of one mesh, spread evenly
+/// over the time 0 to 1; several files of other kinds are put together. Throws Error(bad_input) or Error(io).
+std::shared_ptr<const Scene> load_scene(const std::vector<std::string>& paths, const LoadOptions& options = {});
+
+/// Where film points go: camera space looks along -z, y up.
+struct Projection {
+  int width = 960, height = 540;  ///< pixels
+  bool orthographic = false;
+  double vfov = 0.7853981633974483;  ///< full vertical field of view, radians (perspective)
+  double view_height = 2;            ///< height of the view, world units (orthographic)
+};
+
+/// Which stretch of the scene's time the shutter is open for, and from where one looks.
+struct ShotOptions {
+  enum class Space {
+    camera,  ///< meshes relative to the camera, so that a moving camera is motion of the meshes
+    world,   ///< meshes in world space; the camera only judges what 0.1 pixel is
+  };
+  Space space = Space::camera;
+  std::string camera;                ///< name or index; empty: the scene's first, or one that frames everything
+  std::optional<double> frame, fps;  ///< shutter times below are (frame + open) / fps when any of these is given
+  std::optional<std::array<double, 2>> shutter;  ///< open, close, in frames
+  int width = 0, height = 0;                     ///< 0: the scene's own, else 960x540
+  double motion_tolerance = 0.1;  ///< pixels: how far linear motion between keys may leave a vertex's true path
+};
+
+/// One opening of the shutter: every motion as linear motion between keys, in one space. What accelerators are built
+/// from.
+struct Shot {
+  std::vector<Mesh> meshes;
+  std::vector<Material> materials;
+  std::vector<Light> lights;
+  Vec3f background;
+  Projection projection;
+  double shutter_open = 0, shutter_close = 1;  ///< scene time
+  /// Rotation camera space -> world space (columns) at a shutter time, for normals; identity columns in world space.
+  std::function<std::array<Vec3d, 3>(double time)> world_from_camera;
+  bool camera_moves = false;
+  std::vector<std::string> notes;  ///< one line each, for the log: keys chosen, triangles dropped, features left out
+};
+
+/// Throws Error(bad_usage) for a camera that does not exist or times that make no sense.
+Shot make_shot(const Scene& scene, const ShotOptions& options = {});
+
+}  // namespace kairos

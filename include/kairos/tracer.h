@@ -1,0 +1,119 @@
+// The kernel on its own: moving triangles and rays in, visibility segments out.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <kairos/mesh.h>
+
+namespace kairos {
+
+/// A ray held fixed while the shutter is open: points origin + dist * direction, dist > 0.
+/// The direction is of any finite length but zero.
+struct Ray {
+  Vec3f origin;
+  Vec3f direction;
+};
+
+/// The stretch of shutter time [begin, end) in which a ray sees (or, unresolved, meets) one triangle.
+struct Segment {
+  float begin = 0, end = 0;            ///< shutter time, 0 <= begin < end <= 1
+  float dist_begin = 0, dist_end = 0;  ///< distance along the ray at both ends, in units of |direction|
+  uint32_t mesh = 0;                   ///< index into the meshes the tracer was made of
+  uint32_t triangle = 0;               ///< index into that mesh's triangles
+  bool front = false;                  ///< the side on which the vertices run counter-clockwise faces the origin
+
+  float duration() const { return end - begin; }
+};
+
+enum class InstructionSet { scalar, sse4, avx2, avx512 };
+
+std::string_view to_string(InstructionSet set);
+/// "scalar", "sse4", "avx2", "avx512"; nullopt for anything else.
+std::optional<InstructionSet> parse_instruction_set(std::string_view name);
+/// What this machine can run, best last; `scalar` is always among them.
+std::span<const InstructionSet> supported_instruction_sets();
+
+/// Arithmetic of the triangle kernel. Both read the same float geometry.
+enum class Precision {
+  fast,   ///< float: for images
+  exact,  ///< double: times within 1e-6 of the shutter for well-conditioned triangles
+};
+
+enum class Visibility {
+  visible,  ///< disjoint segments in time order: what is nearest, and when
+  all,      ///< every triangle met, hidden or not; ordered by begin, then mesh, then triangle
+};
+
+/// Work done, summed over rays. Exact: the same for any number of threads.
+struct TraceCounters {
+  uint64_t rays = 0;
+  uint64_t nodes = 0;        ///< inner nodes whose children were tested
+  uint64_t triangles = 0;    ///< triangles tested (filled lanes of leaf blocks)
+  uint64_t root_solves = 0;  ///< edge quadratics solved
+  uint64_t hits = 0;         ///< hit intervals put into the list before it is resolved
+  uint64_t segments = 0;     ///< segments returned
+
+  TraceCounters& operator+=(const TraceCounters& other);
+};
+
+struct TracerOptions {
+  Precision precision = Precision::exact;
+  std::optional<InstructionSet> instruction_set;  ///< unset: the best one
+};
+
+/// Segments of many rays: those of ray i are segments[offsets[i]] to segments[offsets[i + 1]].
+struct SegmentBatch {
+  std::vector<size_t> offsets;
+  std::vector<Segment> segments;
+
+  std::span<const Segment> operator[](size_t ray) const {
+    return {segments.data() + offsets[ray], segments.data() + offsets[ray + 1]};
+  }
+};
+
+/// Answers, for any ray: what is seen along it, and from when to when.
+///
+/// Immutable and safe to use from many threads at once. Copies what it needs of the meshes.
+class Tracer {
+ public:
+  /// Throws Error(bad_input) when a mesh breaks an invariant, Error(bad_usage) when the instruction set is not there.
+  explicit Tracer(std::span<const Mesh> meshes, const TracerOptions& options = {});
+  ~Tracer();
+  Tracer(Tracer&&) noexcept;
+  Tracer& operator=(Tracer&&) noexcept;
+
+  /// Scratch memory of one thread; it grows to what the deepest ray needed and is then reused.
+  class Workspace {
+   public:
+    Workspace();
+    ~Workspace();
+    Workspace(Workspace&&) noexcept;
+    Workspace& operator=(Workspace&&) noexcept;
+
+   private:
+    friend class Tracer;
+    struct State;
+    std::unique_ptr<State> state_;
+  };
+
+  /// The segments of one ray; the span lives in the workspace until its next use. A ray that is not finite, or has no
+  /// direction, meets nothing.
+  std::span<const Segment> trace(const Ray& ray, Visibility visibility, Workspace& workspace) const;
+
+  /// Many rays, in parallel. The result does not depend on the number of threads.
+  SegmentBatch trace(std::span<const Ray> rays, Visibility visibility, TraceCounters* counters = nullptr) const;
+
+  InstructionSet instruction_set() const;
+  size_t memory_bytes() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kairos

@@ -1,0 +1,45 @@
+// The scene over all of its time, as the readers of src/scene_io leave it. Plain structs.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <kairos/scene.h>
+
+#include "scene/motion.h"
+
+namespace kairos {
+
+struct SceneMesh {
+  std::string name;
+  std::vector<Triangle> triangles;  ///< indices below motion->vertex_count()
+  std::vector<Vec2f> uvs;           ///< empty, or one per vertex
+  std::vector<uint32_t> prim_ids;   ///< empty, or one per triangle: see Mesh::prim_ids
+  uint32_t material = 0;            ///< index into Scene::materials
+  std::shared_ptr<const VertexMotion> motion;
+};
+
+struct SceneCamera {
+  std::string name;
+  bool orthographic = false;
+  double vfov = 0.7853981633974483;               ///< radians (perspective)
+  double view_height = 2;                         ///< world units (orthographic)
+  std::shared_ptr<const TransformMotion> motion;  ///< world from camera, without scale; looks along -z
+};
+
+struct Scene {
+  std::vector<SceneMesh> meshes;
+  std::vector<Material> materials;  ///< never empty once loaded: index 0 exists
+  std::vector<SceneCamera> cameras;
+  std::vector<Light> lights;
+  Vec3f background{0, 0, 0};
+  std::optional<std::array<double, 2>> shutter;  ///< open, close in scene time; unset: see make_shot
+  std::optional<std::array<int, 2>> image_size;  ///< width, height
+  double fps = 24;                    ///< frames per unit of scene time, where the shutter is given in frames
+  std::vector<std::string> warnings;  ///< one line each
+};
+
+}  // namespace kairos
