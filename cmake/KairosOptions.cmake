@@ -24,3 +24,7 @@ if(KAIROS_SANITIZE)
     target_compile_options(kairos_options INTERFACE -fno-sanitize-recover=all)
   endif()
 endif()
+
+if(KAIROS_TIDY)
+  set(CMAKE_CXX_CLANG_TIDY clang-tidy --quiet)  # reads .clang-tidy
+endif()

@@ -1,0 +1,26 @@
+# Installs the build tree into a prefix of its own, builds consumer.cpp against it with find_package, and runs it.
+# Variables: BUILD_DIR, SOURCE_DIR (of the project), VERSION, GENERATOR, COMPILER.
+
+set(work ${BUILD_DIR}/install_test)
+set(prefix ${work}/prefix)
+file(REMOVE_RECURSE ${work})
+
+function(run)
+  cmake_parse_arguments(RUN "" "OUTPUT" "COMMAND" ${ARGN})
+  execute_process(COMMAND ${RUN_COMMAND} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    list(JOIN RUN_COMMAND " " command)
+    message(FATAL_ERROR "failed (${status}): ${command}\n${output}")
+  endif()
+  if(RUN_OUTPUT AND NOT output MATCHES "${RUN_OUTPUT}")
+    message(FATAL_ERROR "expected output matching '${RUN_OUTPUT}', got:\n${output}")
+  endif()
+endfunction()
+
+run(COMMAND ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix})
+# A prefix can be moved: nothing installed may remember where it was.
+file(RENAME ${prefix} ${work}/moved)
+run(COMMAND ${CMAKE_COMMAND} -S ${SOURCE_DIR}/tests/install -B ${work}/consumer -G ${GENERATOR}
+  -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_PREFIX_PATH=${work}/moved)
+run(COMMAND ${CMAKE_COMMAND} --build ${work}/consumer)
+run(COMMAND ${work}/consumer/consumer OUTPUT "kairos ${VERSION}")
