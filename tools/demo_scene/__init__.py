@@ -1,0 +1,1 @@
+"""The demo scene of Kairos: a square at dusk, made of code."""
