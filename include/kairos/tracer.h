@@ -95,6 +95,8 @@ class Tracer {
     Workspace(Workspace&&) noexcept;
     Workspace& operator=(Workspace&&) noexcept;
 
+    const TraceCounters& counters() const;  ///< work of all rays traced with this workspace so far
+
    private:
     friend class Tracer;
     struct State;

@@ -1,0 +1,45 @@
+// One traversal, compiled for several instruction sets, chosen at run time.
+#pragma once
+
+#include <kairos/tracer.h>
+
+#include "accel/layout.h"
+#include "kernels/ray_state.h"
+
+namespace kairos {
+
+/// Puts what a traceable ray meets into state.hits, between state.begin_ray and state.end_ray.
+using CollectHits = void (*)(const Accel& accel, const Ray& ray, RayState& state);
+
+/// Children of a node that a ray meets.
+struct alignas(64) NodeHits {
+  float dist[kWidth];                ///< lower bound of the distance
+  float begin[kWidth], end[kWidth];  ///< bounds of the time, in the key span's own; moving nodes only
+  uint32_t mask;                     ///< bit per child
+};
+
+/// Triangles of a block that a ray meets, at most once each: lanes in `hit`. Lanes in `rare` may be met more than once
+/// and are not answered; lanes in `bent` have a distance that is far from linear in time.
+template <class Real>
+struct alignas(64) BlockHits {
+  Real begin[kWidth], end[kWidth];  ///< the key span's own time
+  Real dist_begin[kWidth], dist_end[kWidth];
+  uint32_t hit, front, bent, rare;
+  uint32_t solved;  ///< lanes whose roots were computed
+};
+
+/// What is compiled for an instruction set. The tests of single nodes and blocks are for tests and benchmarks; the
+/// traversal has its own copies inlined.
+struct Kernels {
+  CollectHits collect_fast, collect_exact;
+  void (*test_node)(const Node<kMovingKeys>& node, const Ray& ray, NodeHits& hits);
+  void (*test_block)(const TriangleBlock<kMovingKeys>& block, const Ray& ray, BlockHits<float>& hits);
+};
+
+/// Null where this machine cannot run the instruction set. The scalar kernels compute in double, whatever is asked for,
+/// and have no tests of single nodes and blocks.
+const Kernels* find_kernels(InstructionSet set);
+
+void collect_hits_scalar(const Accel& accel, const Ray& ray, RayState& state);
+
+}  // namespace kairos

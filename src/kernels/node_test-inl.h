@@ -1,0 +1,166 @@
+// One ray against the eight children of a node. Compiled once per instruction set; see trace_simd.cpp.
+
+#if defined(KAIROS_NODE_TEST_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KAIROS_NODE_TEST_INL_H
+#undef KAIROS_NODE_TEST_INL_H
+#else
+#define KAIROS_NODE_TEST_INL_H
+#endif
+
+#include <algorithm>
+#include <cmath>
+
+#include <hwy/highway.h>
+
+#include "accel/layout.h"
+#include "kernels/dispatch.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kairos {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Relative error of a slab's entry or exit distance as computed here: a subtraction, a reciprocal and a product, each
+/// rounded to within 2^-24, and one more for safety.
+inline constexpr float kSlabError = 4 * 0x1p-24f;
+/// A root of a linear function in [0, 1], from values that are bounds already: a subtraction and a division.
+inline constexpr float kRootError = 4 * 0x1p-24f;
+/// Directions' components are kept from zero by this share of the largest one, so that reciprocals are finite and their
+/// products with any coordinate below 1e25 too. Over the length of a scene it moves the ray by less than coordinates
+/// resolve.
+inline constexpr float kLeastDirection = 1e-12f;
+
+/// A ray as the node test wants it.
+struct RaySlabs {
+  float origin[3], inv[3];
+  bool negative[3];
+
+  explicit RaySlabs(const Ray& ray) {
+    float largest = 0;
+    for (int k = 0; k < 3; ++k) largest = std::max(largest, std::abs(ray.direction[k]));
+    for (int k = 0; k < 3; ++k) {
+      const float d = ray.direction[k];
+      origin[k] = ray.origin[k];
+      negative[k] = d < 0;
+      const float size = std::max(std::abs(d), kLeastDirection * largest);
+      inv[k] = 1 / (d < 0 ? -size : size);
+    }
+  }
+};
+
+template <class D, class M>
+HWY_INLINE uint32_t MaskBits(D d, M mask) {
+  uint8_t bytes[8] = {};
+  hn::StoreMaskBits(d, mask, bytes);
+  return bytes[0];
+}
+
+/// The children's time sets within [begin, end] and lower bounds of their distances, both with errors on the safe side:
+/// no child that is met is left out, no interval is narrower than the truth.
+HWY_INLINE void TestNode(const Node<kMovingKeys>& node, const RaySlabs& ray, float begin, float end, NodeHits& hits) {
+  const hn::CappedTag<float, kWidth> d;
+  using V = hn::Vec<decltype(d)>;
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+  const V slab_error = hn::Set(d, kSlabError);
+  hits.mask = 0;
+  for (size_t lane = 0; lane < kWidth; lane += hn::Lanes(d)) {
+    if (lane >= node.count) break;
+    V in0[3], in1[3], out0[3], out1[3];  // entry and exit of each slab at both ends of the key span
+    for (size_t k = 0; k < 3; ++k) {
+      const V o = hn::Set(d, ray.origin[k]), inv = hn::Set(d, ray.inv[k]);
+      const bool neg = ray.negative[k];
+      const auto entry = [&](const float* plane) HWY_ATTR {
+        const V dist = hn::Mul(hn::Sub(hn::Load(d, plane + lane), o), inv);
+        return hn::Sub(dist, hn::Mul(hn::Abs(dist), slab_error));
+      };
+      const auto exit = [&](const float* plane) HWY_ATTR {
+        const V dist = hn::Mul(hn::Sub(hn::Load(d, plane + lane), o), inv);
+        return hn::Add(dist, hn::Mul(hn::Abs(dist), slab_error));
+      };
+      in0[k] = entry(neg ? node.upper[0][k] : node.lower[0][k]);
+      in1[k] = entry(neg ? node.upper[1][k] : node.lower[1][k]);
+      out0[k] = exit(neg ? node.lower[0][k] : node.upper[0][k]);
+      out1[k] = exit(neg ? node.lower[1][k] : node.upper[1][k]);
+    }
+    // Nine linear functions of time must not be negative: six exits minus other slabs' entries, three exits.
+    const V a0 = hn::Sub(out0[0], in0[1]), a1 = hn::Sub(out1[0], in1[1]);
+    const V b0 = hn::Sub(out0[0], in0[2]), b1 = hn::Sub(out1[0], in1[2]);
+    const V c0 = hn::Sub(out0[1], in0[0]), c1 = hn::Sub(out1[1], in1[0]);
+    const V d0 = hn::Sub(out0[1], in0[2]), d1 = hn::Sub(out1[1], in1[2]);
+    const V e0 = hn::Sub(out0[2], in0[0]), e1 = hn::Sub(out1[2], in1[0]);
+    const V f0 = hn::Sub(out0[2], in0[1]), f1 = hn::Sub(out1[2], in1[1]);
+    // Signs first: a function that is negative at both ends rejects, and most boxes go that way.
+    const V ab = hn::Min(hn::Max(a0, a1), hn::Max(b0, b1));
+    const V cd = hn::Min(hn::Max(c0, c1), hn::Max(d0, d1));
+    const V ef = hn::Min(hn::Max(e0, e1), hn::Max(f0, f1));
+    const V ahead = hn::Min(hn::Min(hn::Max(out0[0], out1[0]), hn::Max(out0[1], out1[1])), hn::Max(out0[2], out1[2]));
+    const V least = hn::Min(hn::Min(ab, cd), hn::Min(ef, ahead));
+    auto met = hn::And(hn::Ge(least, zero), hn::FirstN(d, node.count - lane));
+    if (hn::AllFalse(d, met)) continue;
+
+    V from = zero, to = one;
+    const auto restrict_to = [&](V at_begin, V at_end) HWY_ATTR {
+      const V root = hn::Div(at_begin, hn::Sub(at_begin, at_end));
+      from = hn::IfThenElse(hn::Lt(at_begin, zero), hn::Max(from, root), from);
+      to = hn::IfThenElse(hn::Lt(at_end, zero), hn::Min(to, root), to);
+    };
+    restrict_to(a0, a1);
+    restrict_to(b0, b1);
+    restrict_to(c0, c1);
+    restrict_to(d0, d1);
+    restrict_to(e0, e1);
+    restrict_to(f0, f1);
+    const V behind = hn::Min(hn::Min(hn::Min(out0[0], out1[0]), hn::Min(out0[1], out1[1])), hn::Min(out0[2], out1[2]));
+    if (!hn::AllFalse(d, hn::And(met, hn::Lt(behind, zero))))
+      for (size_t k = 0; k < 3; ++k) restrict_to(out0[k], out1[k]);
+    const V slack = hn::Set(d, kRootError);
+    from = hn::Max(hn::Sub(from, slack), hn::Set(d, begin));
+    to = hn::Min(hn::Add(to, slack), hn::Set(d, end));
+    met = hn::And(met, hn::Le(from, to));
+
+    V dist = zero;
+    for (size_t k = 0; k < 3; ++k) {
+      const V speed = hn::Sub(in1[k], in0[k]);
+      const V at_from = hn::Add(in0[k], hn::Mul(from, speed)), at_to = hn::Add(in0[k], hn::Mul(to, speed));
+      const V entry = hn::Min(at_from, at_to);
+      // The line between two bounds is off by the rounding of its larger end.
+      const V error = hn::Mul(hn::Max(hn::Abs(in0[k]), hn::Abs(in1[k])), slab_error);
+      dist = hn::Max(dist, hn::Sub(entry, error));
+    }
+    hn::Store(from, d, hits.begin + lane);
+    hn::Store(to, d, hits.end + lane);
+    hn::Store(dist, d, hits.dist + lane);
+    hits.mask |= MaskBits(d, met) << lane;
+  }
+}
+
+/// The same for boxes that stand still.
+HWY_INLINE void TestNode(const Node<kStaticKeys>& node, const RaySlabs& ray, NodeHits& hits) {
+  const hn::CappedTag<float, kWidth> d;
+  using V = hn::Vec<decltype(d)>;
+  const V slab_error = hn::Set(d, kSlabError);
+  hits.mask = 0;
+  for (size_t lane = 0; lane < kWidth; lane += hn::Lanes(d)) {
+    if (lane >= node.count) break;
+    V in = hn::Zero(d), out = hn::Set(d, std::numeric_limits<float>::infinity());
+    for (size_t k = 0; k < 3; ++k) {
+      const V o = hn::Set(d, ray.origin[k]), inv = hn::Set(d, ray.inv[k]);
+      const float* near = ray.negative[k] ? node.upper[0][k] : node.lower[0][k];
+      const float* far = ray.negative[k] ? node.lower[0][k] : node.upper[0][k];
+      const V entry = hn::Mul(hn::Sub(hn::Load(d, near + lane), o), inv);
+      const V exit = hn::Mul(hn::Sub(hn::Load(d, far + lane), o), inv);
+      in = hn::Max(in, hn::Sub(entry, hn::Mul(hn::Abs(entry), slab_error)));
+      out = hn::Min(out, hn::Add(exit, hn::Mul(hn::Abs(exit), slab_error)));
+    }
+    const auto met = hn::And(hn::Le(in, out), hn::FirstN(d, node.count - lane));
+    hn::Store(in, d, hits.dist + lane);
+    hits.mask |= MaskBits(d, met) << lane;
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace kairos
+HWY_AFTER_NAMESPACE();
+
+#endif

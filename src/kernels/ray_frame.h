@@ -1,0 +1,44 @@
+// Coordinates in which a ray is the third axis: the first two of a point say how far it is off the ray, and to which
+// side.
+#pragma once
+
+#include <cmath>
+
+#include <kairos/tracer.h>
+#include <kairos/vec.h>
+
+namespace kairos {
+
+/// Shear-and-permute frame of a ray (Woop, Benthin, Wald: "Watertight Ray/Triangle Intersection", JCGT 2013, section
+/// 2). A point p relative to the origin has u = p[ku] - shear_u p[kw], v = p[kv] - shear_v p[kw], dist = inv_w p[kw].
+/// Axes u and v are exchanged where the direction's w is negative, so that a triangle whose vertices run
+/// counter-clockwise seen from the origin has positive edge functions (see edge_function) whatever the direction.
+template <class Real>
+struct RayFrame {
+  Vec3f origin;
+  int ku = 0, kv = 1, kw = 2;
+  Real shear_u = 0, shear_v = 0, inv_w = 0;
+
+  explicit RayFrame(const Ray& ray) : origin(ray.origin) {
+    const Vec3f d = ray.direction;
+    const float ax = std::abs(d.x), ay = std::abs(d.y), az = std::abs(d.z);
+    kw = ax > ay ? (ax > az ? 0 : 2) : (ay > az ? 1 : 2);
+    ku = (kw + 1) % 3;
+    kv = (kw + 2) % 3;
+    if (d[kw] < 0) {
+      const int swapped = ku;
+      ku = kv;
+      kv = swapped;
+    }
+    inv_w = Real(1) / Real(d[kw]);
+    shear_u = Real(d[ku]) * inv_w;
+    shear_v = Real(d[kv]) * inv_w;
+  }
+};
+
+/// True for rays that can meet anything: finite, with a direction.
+inline bool is_traceable(const Ray& ray) {
+  return is_finite(ray.origin) && is_finite(ray.direction) && ray.direction != Vec3f{};
+}
+
+}  // namespace kairos

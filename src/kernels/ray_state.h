@@ -1,0 +1,106 @@
+// What one thread keeps while it traces a ray, reused from ray to ray.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include <kairos/tracer.h>
+
+#include "accel/layout.h"
+#include "kernels/moving_triangle.h"
+#include "kernels/resolve.h"
+#include "kernels/time_bins.h"
+
+namespace kairos {
+
+/// A subtree still to be visited: from which distance on, and when (time of its key span, 0 to 1).
+struct StackEntry {
+  NodeRef node;
+  float dist;
+  float begin, end;
+};
+
+/// How far a hit's distance may leave the straight line between its ends, as a share of it, before the hit is cut in
+/// two; and how often that is done. Order by distance is decided on these lines.
+inline constexpr float kLinearDistance = 1e-4f;
+inline constexpr int kDeepestCut = 5;
+
+struct RayState {
+  Visibility visibility = Visibility::visible;
+  TimeBins bins;
+  std::vector<Segment> hits;
+  std::vector<StackEntry> stack;
+  std::vector<Segment> segments;  ///< the result
+  ResolveScratch resolve;
+  TraceCounters counters;
+
+  bool culls() const { return visibility == Visibility::visible; }
+
+  void begin_ray(Visibility wanted, uint32_t tree_depth) {
+    visibility = wanted;
+    hits.clear();
+    bins.clear();
+    // Each level leaves at most all but one of its children on the stack.
+    const size_t deepest = static_cast<size_t>(tree_depth) * (kWidth - 1) + kWidth;
+    if (stack.size() < deepest) stack.resize(deepest);
+    ++counters.rays;
+  }
+
+  void end_ray() {
+    counters.hits += hits.size();
+    if (culls())
+      resolve_visible(hits, resolve, segments);
+    else
+      order_all(hits, segments);
+    counters.segments += segments.size();
+  }
+
+  /// Takes up a hit in shutter time, unless something is known to hide it.
+  void add(const Segment& hit) {
+    if (!(hit.begin < hit.end)) return;
+    if (culls()) {
+      const float nearest = std::min(hit.dist_begin, hit.dist_end);
+      if (nearest > bins.visible_until(hit.begin, hit.end)) return;
+      bins.cover(hit.begin, hit.end, hit.dist_begin, hit.dist_end);
+    }
+    hits.push_back(hit);
+  }
+};
+
+/// Maps the time of a key span to shutter time; its end to its end, exactly.
+inline float to_shutter_time(float time, float span_begin, float span_end) {
+  return time >= 1 ? span_end : span_begin + time * (span_end - span_begin);
+}
+
+template <class Real>
+Segment to_segment(const HitInterval<Real>& hit, uint32_t mesh, uint32_t triangle, float span_begin, float span_end) {
+  return {to_shutter_time(static_cast<float>(hit.begin), span_begin, span_end),
+          to_shutter_time(static_cast<float>(hit.end), span_begin, span_end),
+          static_cast<float>(hit.dist_begin),
+          static_cast<float>(hit.dist_end),
+          mesh,
+          triangle,
+          hit.front};
+}
+
+/// Adds a hit; where order matters and the distance does not run straight between its ends, in pieces in which it does.
+template <class Real>
+void add_in_pieces(RayState& state, const FramedTriangle<Real>& f, const std::array<Quadratic<Real>, 3>& e,
+                   const HitInterval<Real>& hit, uint32_t mesh, uint32_t triangle, float span_begin, float span_end,
+                   int cuts = 0) {
+  if (state.culls() && cuts < kDeepestCut) {
+    const Real middle = Real(0.5) * (hit.begin + hit.end);
+    const Real dist = distance_at(f, e, middle);
+    const Real straight = Real(0.5) * (hit.dist_begin + hit.dist_end);
+    if (std::abs(dist - straight) > Real(kLinearDistance) * dist) {
+      add_in_pieces<Real>(state, f, e, {hit.begin, middle, hit.dist_begin, dist, hit.front}, mesh, triangle, span_begin,
+                          span_end, cuts + 1);
+      add_in_pieces<Real>(state, f, e, {middle, hit.end, dist, hit.dist_end, hit.front}, mesh, triangle, span_begin,
+                          span_end, cuts + 1);
+      return;
+    }
+  }
+  state.add(to_segment(hit, mesh, triangle, span_begin, span_end));
+}
+
+}  // namespace kairos

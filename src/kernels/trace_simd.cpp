@@ -1,0 +1,211 @@
+// Traversal of the accelerator with vector instructions: one source, compiled by Highway for each instruction set.
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+
+#include "kernels/dispatch.h"
+
+// The oldest instruction set compiled for; machines without it get the scalar code.
+#define HWY_BASELINE_TARGETS HWY_SSE4
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SCALAR | HWY_AVX3_DL)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/trace_simd.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "kernels/block_test-inl.h"
+#include "kernels/node_test-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kairos {
+namespace HWY_NAMESPACE {
+
+/// Puts the children that were met on the stack, the nearest on top.
+HWY_INLINE StackEntry* PushChildren(const NodeRef (&child)[kWidth], const NodeHits& hits, bool timed, StackEntry* top) {
+  StackEntry* const first = top;
+  for (uint32_t mask = hits.mask; mask != 0; mask &= mask - 1) {
+    const size_t c = static_cast<size_t>(std::countr_zero(mask));
+    const StackEntry entry{child[c], hits.dist[c], timed ? hits.begin[c] : 0, timed ? hits.end[c] : 1};
+    StackEntry* place = top++;
+    for (; place != first && place[-1].dist < entry.dist; --place) *place = place[-1];
+    *place = entry;
+  }
+  return top;
+}
+
+template <class T>
+class Collector {
+ public:
+  Collector(const Accel& accel, const Ray& ray, RayState& state)
+      : accel_(accel), frame_(ray), slabs_(ray), state_(state) {}
+
+  void Run() {
+    if (accel_.still.root != kNoNode) CollectStill(accel_.still);
+    for (const auto& tree : accel_.moving) CollectMoving(tree);
+  }
+
+ private:
+  /// The nearest hit, which hides what is behind it at all times; or all of them, where nothing is to be culled.
+  HWY_INLINE void CollectStill(const Tree<kStaticKeys>& tree) {
+    Segment nearest;
+    nearest.dist_begin = std::numeric_limits<float>::infinity();
+    bool found = false;
+    StackEntry* top = state_.stack.data();
+    *top++ = {tree.root, 0, 0, 1};
+    NodeHits node_hits;
+    BlockHits<T> block_hits;
+    while (top != state_.stack.data()) {
+      const StackEntry entry = *--top;
+      if (entry.dist > nearest.dist_begin) continue;
+      if ((entry.node & kLeafBit) == 0) {
+        const auto& node = tree.nodes[entry.node];
+        ++state_.counters.nodes;
+        TestNode(node, slabs_, node_hits);
+        top = PushChildren(node.child, node_hits, false, top);
+        continue;
+      }
+      const auto& block = tree.blocks[entry.node & ~kLeafBit];
+      state_.counters.triangles += block.count;
+      TestBlock(block, frame_, nearest.dist_begin, block_hits);
+      for (uint32_t mask = block_hits.hit; mask != 0; mask &= mask - 1) {
+        const size_t lane = static_cast<size_t>(std::countr_zero(mask));
+        const float dist = static_cast<float>(block_hits.dist_begin[lane]);
+        const Segment hit{
+            0, 1, dist, dist, block.mesh[lane], block.triangle[lane], (block_hits.front >> lane & 1) != 0};
+        if (!state_.culls()) {
+          state_.add(hit);
+        } else if (dist < nearest.dist_begin ||
+                   (dist == nearest.dist_begin &&
+                    std::pair(hit.mesh, hit.triangle) < std::pair(nearest.mesh, nearest.triangle))) {
+          nearest = hit;
+          found = true;
+        }
+      }
+    }
+    if (found) state_.add(nearest);
+  }
+
+  HWY_INLINE void CollectMoving(const Tree<kMovingKeys>& tree) {
+    StackEntry* top = state_.stack.data();
+    *top++ = {tree.root, 0, 0, 1};
+    NodeHits node_hits;
+    BlockHits<T> block_hits;
+    const bool whole_shutter = tree.time_begin == 0 && tree.time_end == 1;
+    const float span = tree.time_end - tree.time_begin;
+    const float inv_span = 1 / span;
+    while (top != state_.stack.data()) {
+      StackEntry entry = *--top;
+      float visible_until = std::numeric_limits<float>::infinity();
+      if (state_.culls()) {
+        // Bins are in shutter time. Rounding may only widen the interval.
+        float begin = entry.begin, end = entry.end;
+        if (!whole_shutter) {
+          begin = std::max(tree.time_begin, to_shutter_time(begin, tree.time_begin, tree.time_end) - kTimeSnap);
+          end = std::min(tree.time_end, to_shutter_time(end, tree.time_begin, tree.time_end) + kTimeSnap);
+        }
+        if (!state_.bins.clip(entry.dist, begin, end)) continue;
+        if (whole_shutter) {
+          entry.begin = begin;
+          entry.end = end;
+        } else {
+          entry.begin = std::max(entry.begin, (begin - tree.time_begin) * inv_span - kTimeSnap);
+          entry.end = std::min(entry.end, (end - tree.time_begin) * inv_span + kTimeSnap);
+        }
+        if ((entry.node & kLeafBit) != 0) visible_until = state_.bins.visible_until(begin, end);
+      }
+      if ((entry.node & kLeafBit) == 0) {
+        const auto& node = tree.nodes[entry.node];
+        ++state_.counters.nodes;
+        TestNode(node, slabs_, entry.begin, entry.end, node_hits);
+        top = PushChildren(node.child, node_hits, true, top);
+        continue;
+      }
+      const auto& block = tree.blocks[entry.node & ~kLeafBit];
+      state_.counters.triangles += block.count;
+      TestBlock(block, frame_, visible_until, block_hits);
+      state_.counters.root_solves += 3 * static_cast<uint64_t>(std::popcount(block_hits.solved));
+      AddHits(tree, block, block_hits);
+    }
+  }
+
+  HWY_INLINE void AddHits(const Tree<kMovingKeys>& tree, const TriangleBlock<kMovingKeys>& block,
+                          const BlockHits<T>& hits) {
+    for (uint32_t mask = hits.hit | hits.rare; mask != 0; mask &= mask - 1) {
+      const size_t lane = static_cast<size_t>(std::countr_zero(mask));
+      if (((hits.rare | hits.bent) >> lane & 1) != 0) {
+        AddSlowly(tree, block, lane, (hits.rare >> lane & 1) != 0, hits);
+        continue;
+      }
+      state_.add(to_segment(HitAt(hits, lane), block.mesh[lane], block.triangle[lane], tree.time_begin, tree.time_end));
+    }
+  }
+
+  static HitInterval<T> HitAt(const BlockHits<T>& hits, size_t lane) {
+    return {hits.begin[lane], hits.end[lane], hits.dist_begin[lane], hits.dist_end[lane],
+            (hits.front >> lane & 1) != 0};
+  }
+
+  /// Lanes with more than one interval, on both sides of the origin, or whose distance is far from linear.
+  HWY_NOINLINE void AddSlowly(const Tree<kMovingKeys>& tree, const TriangleBlock<kMovingKeys>& block, size_t lane,
+                              bool rare, const BlockHits<T>& hits) {
+    std::array<std::array<Vec3f, 3>, 2> position;
+    for (size_t key = 0; key < 2; ++key)
+      for (size_t vertex = 0; vertex < 3; ++vertex)
+        for (int axis = 0; axis < 3; ++axis) position[key][vertex][axis] = block.position[key][vertex][axis][lane];
+    const FramedTriangle<T> framed = to_frame(frame_, position);
+    const auto edges = edge_functions(framed);
+    const auto add = [&](const HitInterval<T>& hit) {
+      add_in_pieces(state_, framed, edges, hit, block.mesh[lane], block.triangle[lane], tree.time_begin, tree.time_end);
+    };
+    if (!rare) {
+      add(HitAt(hits, lane));
+      return;
+    }
+    const HitIntervals<T> found = intersect_moving_triangle(framed);
+    for (size_t i = 0; i < static_cast<size_t>(found.count); ++i) add(found.hit[i]);
+  }
+
+  const Accel& accel_;
+  RayFrame<T> frame_;
+  RaySlabs slabs_;
+  RayState& state_;
+};
+
+void CollectFast(const Accel& accel, const Ray& ray, RayState& state) { Collector<float>(accel, ray, state).Run(); }
+void CollectExact(const Accel& accel, const Ray& ray, RayState& state) { Collector<double>(accel, ray, state).Run(); }
+void TestOneNode(const Node<kMovingKeys>& node, const Ray& ray, NodeHits& hits) {
+  TestNode(node, RaySlabs(ray), 0, 1, hits);
+}
+void TestOneBlock(const TriangleBlock<kMovingKeys>& block, const Ray& ray, BlockHits<float>& hits) {
+  TestBlock(block, RayFrame<float>(ray), std::numeric_limits<float>::infinity(), hits);
+}
+
+constexpr Kernels kKernels{CollectFast, CollectExact, TestOneNode, TestOneBlock};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace kairos
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kairos {
+
+const Kernels* find_kernels(InstructionSet set) {
+  static constexpr Kernels kScalarKernels{collect_hits_scalar, collect_hits_scalar, nullptr, nullptr};
+  const int64_t here = hwy::SupportedTargets();
+  switch (set) {
+    case InstructionSet::scalar:
+      return &kScalarKernels;
+    case InstructionSet::sse4:
+      return (here & HWY_SSE4) != 0 ? &N_SSE4::kKernels : nullptr;
+    case InstructionSet::avx2:
+      return (here & HWY_AVX2) != 0 ? &N_AVX2::kKernels : nullptr;
+    case InstructionSet::avx512:
+      return (here & HWY_AVX3) != 0 ? &N_AVX3::kKernels : nullptr;
+  }
+  return nullptr;
+}
+
+}  // namespace kairos
+#endif

@@ -1,0 +1,96 @@
+#include <algorithm>
+
+#include <kairos/error.h>
+#include <kairos/tracer.h>
+
+#include "accel/accel.h"
+#include "base/parallel.h"
+#include "kernels/dispatch.h"
+#include "kernels/ray_frame.h"
+
+namespace kairos {
+
+TraceCounters& TraceCounters::operator+=(const TraceCounters& other) {
+  rays += other.rays;
+  nodes += other.nodes;
+  triangles += other.triangles;
+  root_solves += other.root_solves;
+  hits += other.hits;
+  segments += other.segments;
+  return *this;
+}
+
+struct Tracer::Impl {
+  Accel accel;
+  uint32_t depth = 0;
+  InstructionSet instruction_set = InstructionSet::scalar;
+  CollectHits collect = nullptr;
+};
+
+struct Tracer::Workspace::State : RayState {};
+
+Tracer::Workspace::Workspace() : state_(std::make_unique<State>()) {}
+Tracer::Workspace::~Workspace() = default;
+Tracer::Workspace::Workspace(Workspace&&) noexcept = default;
+Tracer::Workspace& Tracer::Workspace::operator=(Workspace&&) noexcept = default;
+const TraceCounters& Tracer::Workspace::counters() const { return state_->counters; }
+
+Tracer::Tracer(std::span<const Mesh> meshes, const TracerOptions& options) : impl_(std::make_unique<Impl>()) {
+  for (const Mesh& mesh : meshes) validate_mesh(mesh);
+  impl_->instruction_set = options.instruction_set.value_or(supported_instruction_sets().back());
+  const Kernels* kernels = find_kernels(impl_->instruction_set);
+  if (kernels == nullptr)
+    throw Error(ErrorCode::bad_usage, "instruction set",
+                std::string(to_string(impl_->instruction_set)) + " is not available on this machine");
+  impl_->collect = options.precision == Precision::fast ? kernels->collect_fast : kernels->collect_exact;
+  impl_->accel = build_accel(meshes);
+  impl_->depth = impl_->accel.depth();
+}
+Tracer::~Tracer() = default;
+Tracer::Tracer(Tracer&&) noexcept = default;
+Tracer& Tracer::operator=(Tracer&&) noexcept = default;
+
+std::span<const Segment> Tracer::trace(const Ray& ray, Visibility visibility, Workspace& workspace) const {
+  RayState& state = *workspace.state_;
+  state.begin_ray(visibility, impl_->depth);
+  if (is_traceable(ray)) impl_->collect(impl_->accel, ray, state);
+  state.end_ray();
+  return state.segments;
+}
+
+SegmentBatch Tracer::trace(std::span<const Ray> rays, Visibility visibility, TraceCounters* counters) const {
+  constexpr size_t kChunk = 256;
+  struct Chunk {
+    std::vector<size_t> counts;
+    std::vector<Segment> segments;
+    TraceCounters counters;
+  };
+  std::vector<Chunk> chunks((rays.size() + kChunk - 1) / kChunk);
+  parallel_for(chunks.size(), 1, [&](size_t begin, size_t end) {
+    Workspace workspace;
+    for (size_t c = begin; c < end; ++c) {
+      workspace.state_->counters = {};
+      for (const Ray& ray : rays.subspan(c * kChunk, std::min(kChunk, rays.size() - c * kChunk))) {
+        const auto segments = trace(ray, visibility, workspace);
+        chunks[c].counts.push_back(segments.size());
+        chunks[c].segments.insert(chunks[c].segments.end(), segments.begin(), segments.end());
+      }
+      chunks[c].counters = workspace.counters();
+    }
+  });
+  SegmentBatch batch;
+  batch.offsets.reserve(rays.size() + 1);
+  batch.offsets.push_back(0);
+  for (Chunk& chunk : chunks) {
+    for (size_t count : chunk.counts) batch.offsets.push_back(batch.offsets.back() + count);
+    batch.segments.insert(batch.segments.end(), chunk.segments.begin(), chunk.segments.end());
+    if (counters != nullptr) *counters += chunk.counters;
+    chunk = {};
+  }
+  return batch;
+}
+
+InstructionSet Tracer::instruction_set() const { return impl_->instruction_set; }
+size_t Tracer::memory_bytes() const { return impl_->accel.memory_bytes(); }
+
+}  // namespace kairos
