@@ -75,6 +75,7 @@ struct ShotOptions {
   std::optional<std::array<double, 2>> shutter;  ///< open, close, in frames
   int width = 0, height = 0;                     ///< 0: the scene's own, else 960x540
   double motion_tolerance = 0.1;  ///< pixels: how far linear motion between keys may leave a vertex's true path
+  bool strict = false;            ///< a bad triangle is an error, not a note
 };
 
 /// One opening of the shutter: every motion as linear motion between keys, in one space. What accelerators are built
@@ -92,7 +93,8 @@ struct Shot {
   std::vector<std::string> notes;  ///< one line each, for the log: keys chosen, triangles dropped, features left out
 };
 
-/// Throws Error(bad_usage) for a camera that does not exist or times that make no sense.
+/// Throws Error(bad_usage) for a camera that does not exist or times that make no sense, Error(bad_input) for a camera or
+/// a mesh that cannot be used.
 Shot make_shot(const Scene& scene, const ShotOptions& options = {});
 
 }  // namespace kairos

@@ -1,0 +1,65 @@
+// Discrete rays: the nearest triangle along a ray at one instant, by Embree. The only door to it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include <kairos/mesh.h>
+#include <kairos/tracer.h>
+
+namespace kairos {
+
+struct DiscreteHit {
+  float dist = 0;         ///< along the ray, in units of |direction|, > 0
+  uint32_t mesh = 0;      ///< index into the meshes the scene was made of
+  uint32_t triangle = 0;  ///< index into that mesh's triangles
+  float u = 0, v = 0;     ///< barycentric: (1-u-v) p0 + u p1 + v p2
+  bool front = false;     ///< as Segment::front
+};
+
+struct DiscreteOptions {
+  /// Avoids that rays slip through between triangles. Rays aimed exactly at vertices may be lost all the same.
+  bool robust = true;
+};
+
+struct DiscreteStats {
+  double build_seconds = 0;
+  size_t static_geometries = 0, moving_geometries = 0;  ///< Embree's: a mesh may be several
+  size_t triangles = 0;                                 ///< of all meshes, each counted once
+};
+
+/// The same meshes and motion keys as a Tracer's. What stays still has an Embree scene of its own, which makes rays a
+/// good deal cheaper where little moves.
+///
+/// Immutable and safe to use from many threads at once. Copies what it needs of the meshes. While Embree runs in a
+/// thread, denormals count as zero there, as it asks for; the thread's setting is put back afterwards.
+class DiscreteScene {
+ public:
+  /// Throws Error(bad_input) when a mesh breaks an invariant or Embree fails.
+  explicit DiscreteScene(std::span<const Mesh> meshes, const DiscreteOptions& options = {});
+  ~DiscreteScene();
+  DiscreteScene(DiscreteScene&&) noexcept;
+  DiscreteScene& operator=(DiscreteScene&&) noexcept;
+
+  /// The nearest hit at shutter time `time`, in [0, 1]. A ray that is not finite, or has no direction, meets nothing.
+  std::optional<DiscreteHit> intersect(const Ray& ray, float time) const;
+
+  /// The same for many rays, all spans of one length. Rays that lie next to each other and go about the same way are
+  /// the cheapest: eight at a time go through the scene together. Which of two surfaces at exactly the same distance is
+  /// hit may then depend on a ray's seven neighbours.
+  void intersect(std::span<const Ray> rays, std::span<const float> times,
+                 std::span<std::optional<DiscreteHit>> hits) const;
+
+  const DiscreteStats& stats() const;
+  /// Of Embree's copies and trees.
+  size_t memory_bytes() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kairos

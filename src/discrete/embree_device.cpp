@@ -1,0 +1,42 @@
+#include "discrete/embree_device.h"
+
+#include <algorithm>
+
+#include <kairos/error.h>
+
+namespace kairos {
+
+EmbreeDevice::EmbreeDevice() : device_(rtcNewDevice(nullptr)) {
+  if (!device_)
+    throw Error(ErrorCode::bad_input, "Embree",
+                "cannot start (error " + std::to_string(rtcGetDeviceError(nullptr)) + "); is this processor too old?");
+  rtcSetDeviceErrorFunction(device_, on_error, this);
+  rtcSetDeviceMemoryMonitorFunction(device_, on_memory, this);
+}
+
+EmbreeDevice::~EmbreeDevice() { rtcReleaseDevice(device_); }
+
+void EmbreeDevice::check() {
+  const std::lock_guard lock(mutex_);
+  if (error_.empty()) return;
+  const std::string error = std::move(error_);
+  error_.clear();
+  throw Error(ErrorCode::bad_input, "Embree", error);
+}
+
+size_t EmbreeDevice::memory_bytes() const { return static_cast<size_t>(std::max<int64_t>(0, bytes_.load())); }
+
+void EmbreeDevice::on_error(void* self, RTCError code, const char* text) {
+  auto& device = *static_cast<EmbreeDevice*>(self);
+  const std::lock_guard lock(device.mutex_);
+  if (!device.error_.empty()) return;
+  device.error_ = code == RTC_ERROR_OUT_OF_MEMORY ? "out of memory" : "error " + std::to_string(code);
+  if (text && *text) device.error_ += std::string(": ") + text;
+}
+
+bool EmbreeDevice::on_memory(void* self, ssize_t bytes, bool) {
+  static_cast<EmbreeDevice*>(self)->bytes_ += bytes;
+  return true;
+}
+
+}  // namespace kairos

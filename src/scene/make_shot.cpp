@@ -1,0 +1,181 @@
+// Reduces a scene to linear motion between keys during one opening of the shutter.
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <kairos/error.h>
+#include <kairos/scene.h>
+
+#include "base/parallel.h"
+#include "scene/clean_triangles.h"
+#include "scene/frame_camera.h"
+#include "scene/make_shot_notes.h"
+#include "scene/motion_keys.h"
+#include "scene/scene.h"
+#include "scene/view.h"
+
+namespace kairos {
+
+namespace {
+
+// Meshes of more vertices are made one after the other, in parallel inside, so that working copies of few are alive.
+constexpr size_t kLargeMesh = 1 << 15;
+// Normals that differ by no more are the same.
+constexpr float kSameNormal = 1e-6f;
+
+ShutterWindow shutter_window(const Scene& scene, const ShotOptions& options) {
+  ShutterWindow window;
+  const bool in_frames = options.frame || options.fps || options.shutter || !scene.shutter;
+  if (in_frames) {
+    const double frame = options.frame.value_or(0), fps = options.fps.value_or(scene.fps);
+    const std::array<double, 2> shutter = options.shutter.value_or(std::array<double, 2>{0, 0.5});
+    if (!(fps > 0) || !std::isfinite(fps))
+      throw Error(ErrorCode::bad_usage, "shutter", fmt::format("{} frames per second make no sense", fps));
+    window = {(frame + shutter[0]) / fps, (frame + shutter[1]) / fps};
+  } else {
+    window = {(*scene.shutter)[0], (*scene.shutter)[1]};
+  }
+  if (!std::isfinite(window.open) || !std::isfinite(window.close) || !(window.open < window.close))
+    throw Error(ErrorCode::bad_usage, "shutter",
+                fmt::format("must open before it closes; it opens at {} and closes at {}", window.open, window.close));
+  return window;
+}
+
+/// The camera called `wanted`, else the one with that index, else (empty) the first; nullptr for a scene without any.
+const SceneCamera* find_camera(const Scene& scene, const std::string& wanted) {
+  if (wanted.empty()) return scene.cameras.empty() ? nullptr : &scene.cameras.front();
+  for (const SceneCamera& camera : scene.cameras)
+    if (camera.name == wanted) return &camera;
+  size_t index = 0;
+  const char* end = wanted.data() + wanted.size();
+  const auto [stop, failure] = std::from_chars(wanted.data(), end, index);
+  if (failure == std::errc() && stop == end && index < scene.cameras.size()) return &scene.cameras[index];
+
+  std::string there;
+  for (size_t i = 0; i < scene.cameras.size(); ++i)
+    there += fmt::format("{}{} '{}'", i ? ", " : "", i, scene.cameras[i].name);
+  throw Error(ErrorCode::bad_usage, "camera '" + wanted + "'",
+              there.empty() ? "the scene has no cameras" : "not there; the scene has " + there);
+}
+
+Projection projection_of(const Scene& scene, const ShotOptions& options, const SceneCamera* camera) {
+  Projection projection;
+  if (scene.image_size) {
+    projection.width = (*scene.image_size)[0];
+    projection.height = (*scene.image_size)[1];
+  }
+  if (options.width != 0) projection.width = options.width;
+  if (options.height != 0) projection.height = options.height;
+  constexpr int kMaxSize = 1 << 16;
+  if (projection.width < 1 || projection.height < 1 || projection.width > kMaxSize || projection.height > kMaxSize)
+    throw Error(ErrorCode::bad_usage, "image",
+                fmt::format("a size of {}x{} is not between 1 and {}", projection.width, projection.height, kMaxSize));
+  if (!camera) return projection;
+  projection.orthographic = camera->orthographic;
+  projection.vfov = camera->vfov;
+  projection.view_height = camera->view_height;
+  constexpr double kHalfTurn = 3.14159265358979;
+  const bool usable = camera->orthographic ? camera->view_height > 0 && std::isfinite(camera->view_height)
+                                           : camera->vfov > 0 && camera->vfov < kHalfTurn;
+  if (!usable)
+    throw Error(ErrorCode::bad_input, "camera '" + camera->name + "'",
+                camera->orthographic ? fmt::format("a view height of {} is not positive", camera->view_height)
+                                     : fmt::format("a field of view of {} rad is not inside (0, pi)", camera->vfov));
+  return projection;
+}
+
+std::vector<std::vector<Vec3f>> normals_at(const VertexMotion& motion, const MotionKeys& keys,
+                                           const ShutterWindow& window) {
+  std::vector<std::vector<Vec3f>> normals;
+  if (!motion.has_normals()) return normals;
+  const auto add = [&](double scene_time, Side side) {
+    normals.emplace_back(motion.vertex_count());
+    motion.normals(scene_time, side, normals.back());
+  };
+  const size_t key_count = keys.positions.size();
+  // What keeps still in the camera's eye may turn in the world all the same; one set of normals has to do, the
+  // middle's.
+  if (key_count == 1)
+    add(window.scene_time(0.5), Side::after);
+  else if (motion.is_static(window.open, window.close))
+    add(window.open, Side::after);
+  if (!normals.empty()) return normals;
+
+  bool same = true;
+  for (size_t k = 0; k < key_count; ++k) {
+    add(keys.scene_times[k], keys.sides[k]);
+    for (size_t v = 0; same && v < normals[k].size(); ++v) {
+      const Vec3f change = normals[k][v] - normals[0][v];
+      same =
+          !(std::abs(change.x) > kSameNormal || std::abs(change.y) > kSameNormal || std::abs(change.z) > kSameNormal);
+    }
+  }
+  if (same) normals.resize(1);
+  return normals;
+}
+
+Mesh make_mesh(const SceneMesh& source, const View& view, const ShotOptions& options, MeshReport& report) {
+  const std::string place = "mesh '" + source.name + "'";
+  MotionKeys keys = choose_motion_keys(*source.motion, view, options.motion_tolerance, place);
+  Mesh mesh;
+  mesh.name = source.name;
+  mesh.triangles = source.triangles;
+  mesh.normals = normals_at(*source.motion, keys, view.window());
+  mesh.positions = std::move(keys.positions);
+  if (mesh.key_count() > 1) mesh.key_times = std::move(keys.times);
+  mesh.uvs = source.uvs;
+  mesh.prim_ids = source.prim_ids;
+  mesh.material = source.material;
+  report.excess = keys.excess;
+  report.dropped = clean_triangles(mesh);
+  if (options.strict && report.dropped.total() > 0)
+    throw Error(ErrorCode::bad_input, place,
+                fmt::format("{} triangles have a vertex that is not finite, {} have no area", report.dropped.not_finite,
+                            report.dropped.zero_area));
+  return mesh;
+}
+
+}  // namespace
+
+Shot make_shot(const Scene& scene, const ShotOptions& options) {
+  if (!(options.motion_tolerance > 0) || !std::isfinite(options.motion_tolerance))
+    throw Error(ErrorCode::bad_usage, "motion tolerance",
+                fmt::format("{} is not a positive number of pixels", options.motion_tolerance));
+  const ShutterWindow window = shutter_window(scene, options);
+  const SceneCamera* found = find_camera(scene, options.camera);
+
+  Shot shot;
+  shot.projection = projection_of(scene, options, found);
+  const SceneCamera camera = found ? *found : frame_scene(scene, shot.projection, window);
+  const View view(camera, shot.projection, options.space, window);
+  shot.materials = scene.materials;
+  shot.lights = scene.lights;
+  shot.background = scene.background;
+  shot.shutter_open = window.open;
+  shot.shutter_close = window.close;
+  shot.world_from_camera = view.world_from_camera();
+  shot.camera_moves = view.camera_moves();
+
+  shot.meshes.resize(scene.meshes.size());
+  std::vector<MeshReport> reports(scene.meshes.size());
+  std::vector<size_t> small;
+  const auto make = [&](size_t i) { shot.meshes[i] = make_mesh(scene.meshes[i], view, options, reports[i]); };
+  for (size_t i = 0; i < scene.meshes.size(); ++i) {
+    if (scene.meshes[i].motion->vertex_count() < kLargeMesh)
+      small.push_back(i);
+    else
+      make(i);
+  }
+  parallel_for(small.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) make(small[i]);
+  });
+
+  shot.notes = scene.warnings;
+  if (!found) shot.notes.push_back("no camera in the scene: using one that frames it");
+  for (std::string& note : shot_notes(shot.meshes, reports)) shot.notes.push_back(std::move(note));
+  return shot;
+}
+
+}  // namespace kairos

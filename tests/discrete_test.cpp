@@ -1,0 +1,218 @@
+// Discrete rays against moving triangles whose answers are known.
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include <kairos/error.h>
+
+#include "discrete/discrete_scene.h"
+#include "discrete/uniform_runs.h"
+
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
+namespace kairos {
+namespace {
+
+/// A triangle in the plane z = `depth` around (x, 0), counter-clockwise seen from +z: 1 wide at y = 0, up to y = 1.
+std::vector<Vec3f> triangle_at(float x, float depth) {
+  return {{x - 0.5f, -1, depth}, {x + 0.5f, -1, depth}, {x, 1, depth}};
+}
+
+/// A triangle that is at xs[k] at time times[k].
+Mesh make_slider(std::vector<float> times, const std::vector<float>& xs, float depth) {
+  Mesh mesh;
+  mesh.name = "slider";
+  mesh.triangles = {{0, 1, 2}};
+  mesh.key_times = std::move(times);
+  for (float x : xs) mesh.positions.push_back(triangle_at(x, depth));
+  return mesh;
+}
+
+/// At y = 0 the triangle is half a unit wide: it covers the ray at x where |x - its place| < 1/4.
+constexpr float kReach = 0.25f;
+Ray ray_at(float x) { return {{x, 0, 5}, {0, 0, -2}}; }
+
+TEST(Discrete, HitsWhileTheTriangleIsThere) {
+  const std::vector<Mesh> meshes{make_slider({0, 1}, {-1, 1}, -5)};
+  const DiscreteScene scene(meshes);
+  for (float x : {-0.5f, 0.0f, 0.4f})
+    for (int i = 0; i <= 1000; ++i) {
+      const float time = static_cast<float>(i) / 1000, place = 2 * time - 1;
+      if (std::abs(std::abs(x - place) - kReach) < 1e-5f) continue;
+      const auto hit = scene.intersect(ray_at(x), time);
+      ASSERT_EQ(hit.has_value(), std::abs(x - place) < kReach) << x << " " << time;
+      if (!hit) continue;
+      EXPECT_FLOAT_EQ(hit->dist, 5);
+      EXPECT_TRUE(hit->front);
+      // (1-u-v) p0 + u p1 + v p2
+      EXPECT_NEAR(place - 0.5f + hit->u + 0.5f * hit->v, x, 1e-5);
+      EXPECT_NEAR(-1 + 2 * hit->v, 0, 1e-5);
+    }
+}
+
+TEST(Discrete, FacingAndNumbers) {
+  std::vector<Mesh> meshes(3, make_slider({0, 1}, {0, 0.1f}, -5));
+  meshes[0].triangles.clear();
+  meshes[1].triangles = {{0, 2, 1}};
+  meshes[1].positions = {triangle_at(0, -4)};
+  meshes[2].triangles = {{0, 0, 0}, {0, 1, 2}};
+  const DiscreteScene scene(meshes);
+  const auto from_front = scene.intersect(ray_at(0), 0.5f);
+  ASSERT_TRUE(from_front);
+  EXPECT_EQ(from_front->mesh, 1u);
+  EXPECT_EQ(from_front->triangle, 0u);
+  EXPECT_FALSE(from_front->front) << "wound the other way";
+  EXPECT_FLOAT_EQ(from_front->dist, 4.5f);
+  const auto from_behind = scene.intersect({{0, 0, -9}, {0, 0, 1}}, 0.5f);
+  ASSERT_TRUE(from_behind);
+  EXPECT_EQ(from_behind->mesh, 2u);
+  EXPECT_EQ(from_behind->triangle, 1u);
+  EXPECT_FALSE(from_behind->front);
+  EXPECT_EQ(scene.stats().static_geometries, 1u);
+  EXPECT_EQ(scene.stats().moving_geometries, 1u);
+  EXPECT_EQ(scene.stats().triangles, 3u);
+  EXPECT_GT(scene.memory_bytes(), 100u);
+}
+
+TEST(Discrete, MovingBeforeStillAndBehindIt) {
+  std::vector<Mesh> meshes{make_slider({0, 1}, {-1, 1}, -5), make_slider({}, {0}, -4),
+                           make_slider({0, 1}, {1, -1}, -3)};
+  const DiscreteScene scene(meshes);
+  EXPECT_EQ(scene.intersect(ray_at(0), 0.5f)->mesh, 2u);
+  EXPECT_EQ(scene.intersect(ray_at(0), 0.9f)->mesh, 1u);
+  EXPECT_EQ(scene.intersect(ray_at(-0.8f), 0.1f)->mesh, 0u);
+  EXPECT_FALSE(scene.intersect(ray_at(-0.8f), 0.5f));
+}
+
+/// Where the mesh is, and whether a ray there and 0.3 to both sides of it hits, at many times with the keys among them.
+void expect_follows(const Mesh& mesh, const std::vector<float>& xs) {
+  const std::vector<Mesh> meshes{mesh};
+  const DiscreteScene scene(meshes);
+  std::vector<float> instants = mesh.key_times;
+  for (float key : mesh.key_times)
+    for (float neighbour : {std::nextafter(key, 0.0f), std::nextafter(key, 1.0f)}) instants.push_back(neighbour);
+  for (int i = 0; i <= 2000; ++i) instants.push_back(static_cast<float>(i) / 2000);
+  for (float time : instants) {
+    size_t k = 0;
+    while (k + 2 < xs.size() && time >= mesh.key_times[k + 1] && mesh.key_times[k + 1] < 1) ++k;
+    const float begin = mesh.key_times[k], end = mesh.key_times[k + 1];
+    const float x = xs[k] + (xs[k + 1] - xs[k]) * (end > begin ? (time - begin) / (end - begin) : 1);
+    EXPECT_TRUE(scene.intersect(ray_at(x), time)) << time;
+    EXPECT_TRUE(scene.intersect(ray_at(x + 0.95f * kReach), time)) << time;
+    EXPECT_FALSE(scene.intersect(ray_at(x + 1.05f * kReach), time)) << time;
+    EXPECT_FALSE(scene.intersect(ray_at(x - 1.05f * kReach), time)) << time;
+  }
+  for (size_t k = 0; k + 1 < xs.size(); ++k)  // gone from where it jumps away
+    if (mesh.key_times[k] == mesh.key_times[k + 1] && mesh.key_times[k] < 1) {
+      EXPECT_FALSE(scene.intersect(ray_at(xs[k]), mesh.key_times[k]));
+    }
+}
+
+TEST(Discrete, EvenKeys) {
+  expect_follows(make_slider({0, 0.25f, 0.5f, 0.75f, 1}, {0, 2, 1, -3, 1}, -5), {0, 2, 1, -3, 1});
+}
+
+TEST(Discrete, UnevenKeys) {
+  expect_follows(make_slider({0, 0.1f, 0.5f, 0.55f, 1}, {0, 2, 1, -3, 1}, -5), {0, 2, 1, -3, 1});
+}
+
+TEST(Discrete, Jump) {
+  const std::vector<float> xs{0, 0.5f, 4, 3.5f, -2, -2.5f};
+  expect_follows(make_slider({0, 0.3f, 0.3f, 0.5f, 0.5f, 1}, xs, -5), xs);
+  // At the shutter's ends; when it closes the mesh is where it was until then.
+  expect_follows(make_slider({0, 0, 1, 1}, {-4, 0, 1, 5}, -5), {-4, 0, 1, 5});
+}
+
+TEST(Discrete, MoreKeysThanEmbreeTakes) {
+  constexpr size_t kKeys = 1000;
+  std::vector<float> times, xs;
+  for (size_t k = 0; k < kKeys; ++k) {
+    times.push_back(static_cast<float>(k) / (kKeys - 1));
+    xs.push_back(k % 2 ? 0.01f : -0.01f);
+  }
+  expect_follows(make_slider(times, xs, -5), xs);
+}
+
+TEST(Discrete, UniformRuns) {
+  const auto runs = [](std::vector<float> times, size_t most) {
+    std::vector<std::pair<size_t, size_t>> out;
+    for (const UniformRun& run : uniform_runs(times, most)) out.emplace_back(run.first, run.last);
+    return out;
+  };
+  using Runs = std::vector<std::pair<size_t, size_t>>;
+  EXPECT_EQ(runs({0, 1}, 129), (Runs{{0, 1}}));
+  EXPECT_EQ(runs({0, 0.25f, 0.5f, 0.75f, 1}, 129), (Runs{{0, 4}}));
+  EXPECT_EQ(runs({0, 0.25f, 0.5f, 0.75f, 1}, 3), (Runs{{0, 2}, {2, 4}}));
+  EXPECT_EQ(runs({0, 0.1f, 0.2f, 0.6f, 1}, 129), (Runs{{0, 2}, {2, 4}}));
+  EXPECT_EQ(runs({0, 0.5f, 0.5f, 1}, 129), (Runs{{0, 1}, {2, 3}}));
+  EXPECT_EQ(runs({0, 0, 1, 1}, 129), (Runs{{1, 2}}));
+}
+
+TEST(Discrete, PacketsAgreeWithSingleRays) {
+  constexpr unsigned kSeed = 20261;
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  Mesh soup;
+  soup.name = "soup";
+  soup.key_times = {0, 0.5f, 1};
+  soup.positions.resize(3);
+  for (uint32_t i = 0; i < 100; ++i) {
+    for (auto& key : soup.positions)
+      for (int v = 0; v < 3; ++v) key.push_back({2 * uniform(random), 2 * uniform(random), -4 + uniform(random)});
+    soup.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  const std::vector<Mesh> meshes{soup, make_slider({}, {0}, -4)};
+  const DiscreteScene scene(meshes);
+  std::vector<Ray> rays;
+  std::vector<float> times;
+  for (int i = 0; i < 1003; ++i) {
+    rays.push_back({{}, {0.4f * uniform(random), 0.4f * uniform(random), -1}});
+    times.push_back(std::abs(uniform(random)));
+  }
+  rays[5].direction = {};
+  rays[6].origin.x = std::numeric_limits<float>::quiet_NaN();
+  rays[7].direction.y = std::numeric_limits<float>::infinity();
+  times[8] = std::numeric_limits<float>::quiet_NaN();
+  std::vector<std::optional<DiscreteHit>> hits(rays.size(), DiscreteHit{});
+  scene.intersect(rays, times, hits);
+  size_t hit_count = 0;
+  for (size_t i = 0; i < rays.size(); ++i) {
+    const auto one = scene.intersect(rays[i], times[i]);
+    ASSERT_EQ(one.has_value(), hits[i].has_value()) << i;
+    if (!one) continue;
+    ++hit_count;
+    EXPECT_EQ(one->mesh, hits[i]->mesh);
+    EXPECT_EQ(one->triangle, hits[i]->triangle);
+    EXPECT_NEAR(one->dist, hits[i]->dist, 1e-5f * one->dist);
+    EXPECT_EQ(one->front, hits[i]->front);
+  }
+  EXPECT_GT(hit_count, 300u);
+  for (size_t i : {5, 6, 7, 8}) EXPECT_FALSE(hits[i]);
+  EXPECT_THROW(scene.intersect(rays, std::span(times).first(3), hits), Error);
+}
+
+TEST(Discrete, EmptyAndBroken) {
+  EXPECT_FALSE(DiscreteScene({}).intersect(ray_at(0), 0));
+  std::vector<Mesh> meshes{make_slider({0, 1}, {0, 1}, -5)};
+  meshes[0].triangles = {{0, 1, 3}};
+  EXPECT_THROW(DiscreteScene{meshes}, Error);
+}
+
+#if defined(__SSE__)
+TEST(Discrete, LeavesTheThreadsArithmeticAlone) {
+  const std::vector<Mesh> meshes{make_slider({0, 1}, {0, 1}, -5)};
+  const unsigned before = _mm_getcsr();
+  const DiscreteScene scene(meshes);
+  EXPECT_EQ(_mm_getcsr() & 0x8040u, before & 0x8040u);
+  scene.intersect(ray_at(0), 0.1f);
+  EXPECT_EQ(_mm_getcsr() & 0x8040u, before & 0x8040u);
+  volatile float smallest = std::numeric_limits<float>::min();
+  EXPECT_GT(smallest / 2, 0);
+}
+#endif
+
+}  // namespace
+}  // namespace kairos

@@ -1,0 +1,246 @@
+// What make_shot does besides choosing motion keys: shutter, cameras, framing, bad triangles, notes.
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <kairos/error.h>
+#include <kairos/scene.h>
+
+#include "synthetic_scene.h"
+
+namespace kairos {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+SceneMesh make_still_triangle() {
+  SceneMesh mesh = make_path_mesh(3, [](size_t v, double, Side) {
+    return Vec3d{static_cast<double>(v % 2), static_cast<double>(v / 2), -5};
+  });
+  motion_of(mesh).still = true;
+  return mesh;
+}
+
+template <class Body>
+std::string message_of(ErrorCode code, const Body& body) {
+  try {
+    body();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code);
+    return error.what();
+  }
+  ADD_FAILURE() << "no error";
+  return {};
+}
+
+TEST(Shutter, OwnFrameAndDefault) {
+  Scene scene = make_scene(make_still_triangle());
+  scene.shutter = {3, 4};
+  Shot shot = make_shot(scene);
+  EXPECT_EQ(shot.shutter_open, 3);
+  EXPECT_EQ(shot.shutter_close, 4);
+
+  ShotOptions options;
+  options.frame = 12;
+  shot = make_shot(scene, options);  // 24 frames per unit of time, open for half a frame
+  EXPECT_DOUBLE_EQ(shot.shutter_open, 0.5);
+  EXPECT_DOUBLE_EQ(shot.shutter_close, 12.5 / 24);
+  options.fps = 10;
+  options.shutter = {-0.25, 0.25};
+  shot = make_shot(scene, options);
+  EXPECT_DOUBLE_EQ(shot.shutter_open, 1.175);
+  EXPECT_DOUBLE_EQ(shot.shutter_close, 1.225);
+
+  scene.shutter.reset();
+  scene.fps = 48;
+  shot = make_shot(scene);
+  EXPECT_EQ(shot.shutter_open, 0);
+  EXPECT_DOUBLE_EQ(shot.shutter_close, 0.5 / 48);
+}
+
+TEST(Shutter, NonsenseIsRefused) {
+  Scene scene = make_scene(make_still_triangle());
+  ShotOptions options;
+  options.shutter = {0.5, 0.5};
+  EXPECT_THAT(message_of(ErrorCode::bad_usage, [&] { make_shot(scene, options); }), HasSubstr("shutter"));
+  options.shutter = {0, kNan};
+  message_of(ErrorCode::bad_usage, [&] { make_shot(scene, options); });
+  options.shutter = {0, 1};
+  options.frame = 1e300;
+  message_of(ErrorCode::bad_usage, [&] { make_shot(scene, options); });
+  options.frame = 0;
+  for (double fps : {0.0, -24.0, kNan}) {
+    options.fps = fps;
+    message_of(ErrorCode::bad_usage, [&] { make_shot(scene, options); });
+  }
+  options = {};
+  for (double tolerance : {0.0, -1.0, kNan}) {
+    options.motion_tolerance = tolerance;
+    message_of(ErrorCode::bad_usage, [&] { make_shot(scene, options); });
+  }
+  options = {};
+  options.width = -5;
+  message_of(ErrorCode::bad_usage, [&] { make_shot(scene, options); });
+}
+
+TEST(Camera, ByNameOrIndex) {
+  Scene scene = make_scene(make_still_triangle());
+  SceneCamera second = scene.cameras[0];
+  second.name = "side";
+  second.vfov = 1;
+  scene.cameras.push_back(second);
+  ShotOptions options;
+  options.camera = "side";
+  EXPECT_EQ(make_shot(scene, options).projection.vfov, 1);
+  options.camera = "1";
+  EXPECT_EQ(make_shot(scene, options).projection.vfov, 1);
+  for (const char* wrong : {"top", "2", "-1", "1x"}) {
+    options.camera = wrong;
+    const std::string message = message_of(ErrorCode::bad_usage, [&] { make_shot(scene, options); });
+    EXPECT_THAT(message, HasSubstr(wrong));
+    EXPECT_THAT(message, HasSubstr("0 'main', 1 'side'"));
+  }
+  scene.cameras[0].vfov = kNan;
+  message_of(ErrorCode::bad_input, [&] { make_shot(scene); });
+  scene.cameras[0].vfov = 1;
+  camera_motion_of(scene).placement = [](double) { return scaling({1, 0, 1}); };
+  EXPECT_THAT(message_of(ErrorCode::bad_input, [&] { make_shot(scene); }), HasSubstr("camera 'main'"));
+}
+
+TEST(Camera, RotationAndImageSize) {
+  Scene scene = make_scene(make_still_triangle());
+  camera_motion_of(scene).placement = [](double time) { return translation({1, 2, 3}) * turned(time); };
+  camera_motion_of(scene).still = false;
+  scene.image_size = {320, 200};
+  ShotOptions options;
+  options.height = 100;
+  const Shot shot = make_shot(scene, options);
+  EXPECT_EQ(shot.projection.width, 320);
+  EXPECT_EQ(shot.projection.height, 100);
+  const Vec3d z = shot.world_from_camera(0.5)[2];
+  EXPECT_NEAR(z.x, std::sin(0.5), 1e-12);
+  EXPECT_NEAR(z.z, std::cos(0.5), 1e-12);
+  EXPECT_EQ(make_shot(make_scene(make_still_triangle())).projection.height, 540);
+}
+
+/// Everything is on screen, and fills a good part of it in at least one direction.
+void expect_framed(Scene scene, int width, int height) {
+  scene.cameras.clear();
+  ShotOptions options;
+  options.width = width;
+  options.height = height;
+  const Shot shot = make_shot(scene, options);
+  EXPECT_THAT(shot.notes, Contains(HasSubstr("no camera")));
+  Vec2d lower{1e9, 1e9}, upper{-1e9, -1e9};
+  for (int i = 0; i <= 500; ++i)
+    for (const Mesh& mesh : shot.meshes)
+      for (const Triangle& triangle : mesh.triangles)
+        for (uint32_t v : triangle) {
+          const Vec3d p = position_at(mesh, v, i / 500.0);
+          ASSERT_LT(p.z, 0);
+          const Vec2d on_screen = project(shot.projection, p);
+          lower = {std::min(lower.x, on_screen.x), std::min(lower.y, on_screen.y)};
+          upper = {std::max(upper.x, on_screen.x), std::max(upper.y, on_screen.y)};
+        }
+  EXPECT_GE(lower.x, 0);
+  EXPECT_GE(lower.y, 0);
+  EXPECT_LE(upper.x, width);
+  EXPECT_LE(upper.y, height);
+  EXPECT_GT(std::max((upper.x - lower.x) / width, (upper.y - lower.y) / height), 0.8);
+}
+
+TEST(Framing, MovingThingsStayOnScreen) {
+  const auto orbit = [](size_t v, double time, Side) {
+    const double angle = 5 * time, x = static_cast<double>(v);
+    return Vec3d{1000 + 3 * std::cos(angle) + 0.2 * std::sin(x), 50 + 3 * std::sin(angle) + 0.2 * std::cos(x),
+                 -70 + time + 0.1 * x};
+  };
+  SceneMesh far_vertex = make_still_triangle();  // a vertex that no triangle uses does not count
+  motion_of(far_vertex).vertices = 4;
+  motion_of(far_vertex).path = [](size_t v, double, Side) {
+    return v == 3 ? Vec3d{1e6, 0, 0} : Vec3d{1000 + static_cast<double>(v % 2), 50 + static_cast<double>(v / 2), -70};
+  };
+  Scene scene = make_scene(make_path_mesh(30, orbit));
+  scene.meshes.push_back(far_vertex);
+  expect_framed(scene, 960, 540);
+  expect_framed(scene, 300, 900);
+  Scene flat = make_scene(make_path_mesh(3, [](size_t v, double, Side) {
+    return Vec3d{static_cast<double>(v) * 0.55, static_cast<double>(v * v) * 0.4, static_cast<double>(v)};
+  }));
+  expect_framed(flat, 960, 540);
+}
+
+TEST(Framing, NothingToSeeIsNoError) {
+  Scene empty;
+  empty.materials.emplace_back();
+  EXPECT_TRUE(make_shot(empty).meshes.empty());
+  Scene point = make_scene(make_path_mesh(3, [](size_t, double, Side) { return Vec3d{1e5, 2, 3}; }));
+  point.cameras.clear();
+  const Shot shot = make_shot(point);
+  EXPECT_TRUE(shot.meshes[0].triangles.empty());
+  const Vec3f p = shot.meshes[0].positions[0][0];
+  EXPECT_LT(p.z, 0);
+  EXPECT_NEAR(p.x / p.z, 0, 1e-3);
+  Scene lost = make_scene(make_path_mesh(3, [](size_t, double, Side) { return Vec3d{kNan, 2, 3}; }));
+  lost.cameras.clear();
+  EXPECT_TRUE(make_shot(lost).meshes[0].triangles.empty());
+}
+
+TEST(BadTriangles, AreDroppedCountedAndReportedOnce) {
+  // Triangles 0 and 4 are fine; 1 has a NaN at late times only, 2 no area ever, 3 the same vertex twice, 4 no area at
+  // both keys but some in between, 5 is infinite in float only.
+  SceneMesh mesh = make_path_mesh(18, [](size_t v, double time, Side) {
+    const double corner = static_cast<double>(v % 3);
+    switch (v / 3) {
+      case 1:
+        return Vec3d{v == 4 && time > 0.75 ? kNan : corner, corner * corner, -5};
+      case 2:
+        return Vec3d{corner + time, 2 * corner, -5};
+      case 4:
+        return Vec3d{corner * (1 - time), corner == 2 ? 3 * time : corner * time, -5};
+      case 5:
+        return Vec3d{corner, corner == 2 ? 1e39 : 0, -5};
+      default:
+        return Vec3d{corner, corner * corner, -5 - time};
+    }
+  });
+  mesh.triangles[3] = {9, 9, 11};
+  motion_of(mesh).linear = true;
+  Scene scene = make_scene(mesh);
+  scene.meshes.push_back(make_still_triangle());
+  scene.meshes[0].name = "broken";
+  const Shot shot = make_shot(scene);
+  const Mesh& cleaned = shot.meshes[0];
+  validate_mesh(cleaned);
+  EXPECT_EQ(cleaned.triangles.size(), 2u);
+  EXPECT_EQ(cleaned.prim_id(0), 0u);
+  EXPECT_EQ(cleaned.prim_id(1), 4u);
+  EXPECT_EQ(cleaned.triangles[1], (Triangle{12, 13, 14}));
+  EXPECT_THAT(shot.notes, Contains("dropped 4 bad triangles (2 not finite, 2 of zero area), first in mesh 'broken'"));
+
+  scene.meshes[0].prim_ids = {10, 11, 12, 13, 14, 15};
+  EXPECT_EQ(make_shot(scene).meshes[0].prim_id(1), 14u);
+  ShotOptions strict;
+  strict.strict = true;
+  EXPECT_THAT(message_of(ErrorCode::bad_input, [&] { make_shot(scene, strict); }), HasSubstr("mesh 'broken'"));
+}
+
+TEST(Notes, TellKeysAndWarnings) {
+  Scene scene = make_scene(make_still_triangle());
+  scene.warnings = {"a feature is left out"};
+  SceneMesh mover = make_path_mesh(3, [](size_t v, double time, Side) {
+    return Vec3d{static_cast<double>(v % 2) + time, static_cast<double>(v / 2), -5};
+  });
+  mover.name = "mover";
+  scene.meshes.push_back(mover);
+  const Shot shot = make_shot(scene);
+  EXPECT_THAT(shot.notes, Contains("a feature is left out"));
+  EXPECT_THAT(shot.notes, Contains("1 of 2 meshes move: 1 with 2 keys (most: 'mover')"));
+}
+
+}  // namespace
+}  // namespace kairos
