@@ -180,7 +180,7 @@ HWY_INLINE void TestBlock(const TriangleBlock<kMovingKeys>& block, const RayFram
     }
     const V straight = hn::Mul(half, hn::Add(dist_begin, dist_end));
     const auto bent =
-        hn::Gt(hn::Abs(hn::Sub(dist_middle, straight)), hn::Mul(hn::Set(d, T(kLinearDistance)), dist_middle));
+        hn::Gt(hn::Abs(hn::Sub(dist_middle, straight)), hn::Mul(hn::Set(d, T(kLinearDistance<T>)), dist_middle));
     hits.bent |= (MaskBits(d, bent) & hit_bits) << lane;
     hn::Store(begin, d, hits.begin + lane);
     hn::Store(end, d, hits.end + lane);

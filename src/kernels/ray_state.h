@@ -20,10 +20,13 @@ struct StackEntry {
   float begin, end;
 };
 
-/// How far a hit's distance may leave the straight line between its ends, as a share of it, before the hit is cut in
-/// two; and how often that is done. Order by distance is decided on these lines.
-inline constexpr float kLinearDistance = 1e-4f;
-inline constexpr int kDeepestCut = 5;
+/// How far a hit's distance may leave the straight line between its ends, as a share of it, before the hit is cut in two; and
+/// how often that is done. What is in front is decided on these lines, so where triangles pass through each other this is
+/// what limits the accuracy of the time.
+template <class Real>
+inline constexpr float kLinearDistance = sizeof(Real) == 8 ? 1e-6f : 1e-4f;
+template <class Real>
+inline constexpr int kDeepestCut = sizeof(Real) == 8 ? 10 : 5;
 
 struct RayState {
   Visibility visibility = Visibility::visible;
@@ -88,11 +91,11 @@ template <class Real>
 void add_in_pieces(RayState& state, const FramedTriangle<Real>& f, const std::array<Quadratic<Real>, 3>& e,
                    const HitInterval<Real>& hit, uint32_t mesh, uint32_t triangle, float span_begin, float span_end,
                    int cuts = 0) {
-  if (state.culls() && cuts < kDeepestCut) {
+  if (state.culls() && cuts < kDeepestCut<Real>) {
     const Real middle = Real(0.5) * (hit.begin + hit.end);
     const Real dist = distance_at(f, e, middle);
     const Real straight = Real(0.5) * (hit.dist_begin + hit.dist_end);
-    if (std::abs(dist - straight) > Real(kLinearDistance) * dist) {
+    if (std::abs(dist - straight) > Real(kLinearDistance<Real>) * dist) {
       add_in_pieces<Real>(state, f, e, {hit.begin, middle, hit.dist_begin, dist, hit.front}, mesh, triangle, span_begin,
                           span_end, cuts + 1);
       add_in_pieces<Real>(state, f, e, {middle, hit.end, dist, hit.dist_end, hit.front}, mesh, triangle, span_begin,
