@@ -1,0 +1,226 @@
+#include "scene_io/mesh_data.h"
+
+#include <cmath>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include <kairos/error.h>
+
+#include "scene_io/triangulate.h"
+
+namespace kairos {
+
+void PolygonMesh::end_face(uint64_t size) {
+  if (corners.size() > kMaxIndices) throw Error(ErrorCode::bad_input, path, "has more than 2^32 face corners");
+  // While all faces are triangles their sizes are not kept.
+  if (size != 3 && face_sizes.empty()) face_sizes.assign((corners.size() - size) / 3, 3);
+  if (size != 3 || !face_sizes.empty()) face_sizes.push_back(static_cast<uint32_t>(size));
+}
+
+namespace {
+
+size_t face_count(const PolygonMesh& mesh) {
+  return mesh.face_sizes.empty() ? mesh.corners.size() / 3 : mesh.face_sizes.size();
+}
+
+void check_same_faces(const std::vector<PolygonMesh>& keys) {
+  const PolygonMesh& first = keys.front();
+  for (const PolygonMesh& key : keys) {
+    const auto differ = [&](const char* what, size_t count, size_t first_count) {
+      throw Error(ErrorCode::bad_input, key.path,
+                  fmt::format("has {} {}, {} has {}; motion keys need equal connectivity", count, what, first.path,
+                              first_count));
+    };
+    if (key.positions.size() != first.positions.size())
+      differ("vertices", key.positions.size(), first.positions.size());
+    if (face_count(key) != face_count(first)) differ("faces", face_count(key), face_count(first));
+    if (key.corners.size() != first.corners.size()) differ("face corners", key.corners.size(), first.corners.size());
+    if (key.corners != first.corners || key.face_sizes != first.face_sizes)
+      throw Error(
+          ErrorCode::bad_input, key.path,
+          "its faces name other vertices than those of " + first.path + "; motion keys need equal connectivity");
+  }
+}
+
+uint64_t mix(uint64_t x) {  // spreads keys over a hash table that a file should not be able to clog
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
+  return x ^ (x >> 31);
+}
+struct MixHash {
+  size_t operator()(uint64_t x) const { return mix(x); }
+};
+
+/// Vertices of a mesh while they are split: each is one position, and one value of every attribute seen so far.
+struct Vertices {
+  std::vector<uint32_t> corner;    ///< [corner] its vertex; beyond the vertices where the index is bad
+  std::vector<uint32_t> position;  ///< [vertex]
+
+  /// Splits vertices until all corners of one have the same `attribute` ([corner]).
+  void split(const std::vector<uint32_t>& attribute, const std::string& path) {
+    constexpr uint32_t kUnused = kBadIndex;
+    const size_t before = position.size();
+    std::vector<uint32_t> first(before, kUnused);
+    std::unordered_map<uint64_t, uint32_t, MixHash> others;
+    for (size_t c = 0; c < corner.size(); ++c) {
+      const uint32_t vertex = corner[c], value = attribute[c];
+      if (vertex >= before || value == kBadIndex || first[vertex] == value) continue;
+      if (first[vertex] == kUnused) {
+        first[vertex] = value;
+        continue;
+      }
+      const auto [found, is_new] =
+          others.try_emplace(uint64_t{vertex} << 32 | value, static_cast<uint32_t>(position.size()));
+      if (is_new) {
+        if (position.size() >= kMaxIndices) throw Error(ErrorCode::bad_input, path, "has more than 2^32 vertices");
+        position.push_back(position[vertex]);
+      }
+      corner[c] = found->second;
+    }
+  }
+
+  /// What each vertex has of an attribute: `pool` by the indices of `attribute`, or by position where that is empty.
+  template <class T>
+  std::vector<T> gather(const std::vector<T>& pool, const std::vector<uint32_t>& attribute) const {
+    std::vector<T> values(position.size());
+    if (attribute.empty()) {
+      for (size_t v = 0; v < position.size(); ++v) values[v] = pool[position[v]];
+    } else {
+      for (size_t c = 0; c < corner.size(); ++c)
+        if (corner[c] < values.size() && attribute[c] < pool.size()) values[corner[c]] = pool[attribute[c]];
+    }
+    return values;
+  }
+};
+
+bool all_corners_have(const std::vector<Vec3f>& pool, const std::vector<uint32_t>& attribute) {
+  if (pool.empty()) return false;
+  for (const uint32_t index : attribute)
+    if (index == kNoIndex) return false;
+  return true;
+}
+
+/// A corner is bad when any of its indices names nothing.
+std::vector<bool> find_bad_corners(const std::vector<PolygonMesh>& keys) {
+  std::vector<bool> bad(keys.front().corners.size(), false);
+  const auto look = [&](const std::vector<uint32_t>& indices, size_t count, bool may_be_absent) {
+    for (size_t c = 0; c < indices.size(); ++c)
+      if (indices[c] >= count && !(may_be_absent && indices[c] == kNoIndex)) bad[c] = true;
+  };
+  look(keys.front().corners, keys.front().positions.size(), false);
+  for (const PolygonMesh& key : keys) {
+    look(key.corner_normals, key.normals.size(), true);
+    look(key.corner_uvs, key.uvs.size(), true);
+  }
+  return bad;
+}
+
+/// All triangles, as corner indices.
+std::vector<Triangle> triangulate_faces(const PolygonMesh& mesh, MeshData& data) {
+  std::vector<Triangle> triangles;
+  const size_t faces = face_count(mesh);
+  triangles.reserve(faces);
+  std::vector<Vec3f> points;
+  std::vector<Triangle> cut;
+  size_t small = 0, large = 0;
+  uint32_t begin = 0;
+  for (size_t f = 0; f < faces; ++f) {
+    const uint32_t size = mesh.face_sizes.empty() ? 3 : mesh.face_sizes[f];
+    if (size == 3) {
+      triangles.push_back({begin, begin + 1, begin + 2});
+    } else {
+      if (size < 3) ++small;
+      points.resize(size);
+      for (uint32_t i = 0; i < size; ++i) {
+        const uint32_t v = mesh.corners[begin + i];
+        // A bad index leaves its polygon without a plane: it becomes a fan.
+        points[i] = v < mesh.positions.size() ? mesh.positions[v] : Vec3f{NAN, NAN, NAN};
+      }
+      cut.clear();
+      if (!triangulate_polygon(points, cut)) ++large;
+      for (const Triangle& t : cut) triangles.push_back({begin + t[0], begin + t[1], begin + t[2]});
+    }
+    begin += size;
+  }
+  if (small > 0)
+    data.warnings.push_back(fmt::format("{}: {} faces with fewer than 3 corners left out", mesh.path, small));
+  if (large > 0)
+    data.warnings.push_back(fmt::format("{}: {} concave polygons with more than {} corners cut as if they were convex",
+                                        mesh.path, large, kMaxConcaveCorners));
+  return triangles;
+}
+
+void normalize_all(std::vector<Vec3f>& normals) {
+  for (Vec3f& n : normals) n = to_float(normalize(to_double(n)));
+}
+
+}  // namespace
+
+MeshData make_mesh_data(std::vector<PolygonMesh> keys, bool strict) {
+  check_same_faces(keys);
+  MeshData data;
+  for (PolygonMesh& key : keys) data.warnings.insert(data.warnings.end(), key.warnings.begin(), key.warnings.end());
+  PolygonMesh& first = keys.front();
+  const std::string place = keys.size() == 1 ? first.path : first.path + " to " + keys.back().path;
+  const std::vector<bool> bad_corner = find_bad_corners(keys);
+  const std::vector<Triangle> triangles = triangulate_faces(first, data);
+
+  Vertices vertices;
+  vertices.corner = first.corners;
+  vertices.position.resize(first.positions.size());
+  for (size_t v = 0; v < vertices.position.size(); ++v) vertices.position[v] = static_cast<uint32_t>(v);
+  bool with_normals = true, some_normals = false;
+  for (const PolygonMesh& key : keys) {
+    with_normals = with_normals && all_corners_have(key.normals, key.corner_normals);
+    some_normals = some_normals || !key.normals.empty();
+  }
+  if (some_normals && !with_normals) data.warnings.push_back(place + ": normals left out: not every corner has one");
+  if (!first.uvs.empty() && !first.corner_uvs.empty()) vertices.split(first.corner_uvs, place);
+  for (const PolygonMesh& key : keys)
+    if (with_normals && !key.corner_normals.empty()) vertices.split(key.corner_normals, place);
+
+  if (!first.uvs.empty()) data.uvs = vertices.gather(first.uvs, first.corner_uvs);
+  for (Vec2f& uv : data.uvs)
+    if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = {};
+  for (PolygonMesh& key : keys) {
+    if (with_normals) {
+      data.normals.push_back(vertices.gather(key.normals, key.corner_normals));
+      normalize_all(data.normals.back());
+    }
+    const bool split = vertices.position.size() > key.positions.size();
+    data.positions.push_back(split ? vertices.gather(key.positions, {}) : std::move(key.positions));
+  }
+
+  std::vector<bool> finite(vertices.position.size(), true);
+  for (const auto& key : data.positions)
+    for (size_t v = 0; v < key.size(); ++v)
+      if (!is_finite(key[v])) finite[v] = false;
+  size_t bad_index = 0, not_finite = 0;
+  data.triangles.reserve(triangles.size());
+  for (size_t t = 0; t < triangles.size(); ++t) {
+    const auto [a, b, c] = triangles[t];
+    const bool bad = bad_corner[a] || bad_corner[b] || bad_corner[c];
+    const Triangle triangle{vertices.corner[a], vertices.corner[b], vertices.corner[c]};
+    const bool usable = !bad && finite[triangle[0]] && finite[triangle[1]] && finite[triangle[2]];
+    if (!usable) {
+      if (bad_index + not_finite == 0)
+        for (uint32_t p = 0; p < t; ++p) data.prim_ids.push_back(p);
+      ++(bad ? bad_index : not_finite);
+      continue;
+    }
+    data.triangles.push_back(triangle);
+    if (bad_index + not_finite > 0) data.prim_ids.push_back(static_cast<uint32_t>(t));
+  }
+  if (bad_index + not_finite > 0) {
+    const std::string what =
+        fmt::format("{} of {} triangles dropped: {} with an index out of range, {} with a vertex that is not finite",
+                    bad_index + not_finite, triangles.size(), bad_index, not_finite);
+    if (strict) throw Error(ErrorCode::bad_input, place, what);
+    data.warnings.push_back(place + ": " + what);
+  }
+  if (data.triangles.empty()) data.warnings.push_back(place + ": has no triangles");
+  return data;
+}
+
+}  // namespace kairos
