@@ -1,0 +1,166 @@
+#include "scene_io/load.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <iterator>
+#include <map>
+#include <new>
+#include <set>
+
+#include <fmt/format.h>
+
+#include <kairos/error.h>
+
+#include "base/file.h"
+#include "scene_io/keyframes.h"
+#include "scene_io/native.h"
+#include "scene_io/obj.h"
+#include "scene_io/ply.h"
+
+namespace kairos {
+
+void LoadContext::count_file(const std::string& place) {
+  if (--files_left < 0) throw Error(ErrorCode::bad_input, place, "the scene reads too many files");
+}
+
+FileFormat format_of(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".obj") return FileFormat::obj;
+  if (extension == ".ply") return FileFormat::ply;
+  if (extension == ".gltf" || extension == ".glb") return FileFormat::gltf;
+  if (extension == ".json") return FileFormat::native;
+  throw Error(ErrorCode::bad_input, path, "has no extension that is known; give .obj, .ply, .gltf, .glb or .json");
+}
+
+bool is_mesh_file(const std::string& path) {
+  const FileFormat format = format_of(path);
+  return format == FileFormat::obj || format == FileFormat::ply;
+}
+
+std::vector<double> even_times(size_t keys) {
+  std::vector<double> times(keys);
+  for (size_t k = 1; k < keys; ++k) times[k] = static_cast<double>(k) / static_cast<double>(keys - 1);
+  return times;
+}
+
+MeshData load_mesh_data(const std::vector<std::string>& paths, LoadContext& context) {
+  constexpr uint64_t kMaxFileSize = uint64_t{1} << 34;
+  std::vector<PolygonMesh> keys;
+  for (const std::string& path : paths) {
+    context.count_file(path);
+    const std::vector<uint8_t> bytes = read_file(path, kMaxFileSize);
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    keys.push_back(format_of(path) == FileFormat::obj ? parse_obj(text, path) : parse_ply(text, path));
+  }
+  return make_mesh_data(std::move(keys), context.options.strict);
+}
+
+namespace {
+
+/// A scene of one mesh, its keys spread evenly over the time 0 to 1.
+Scene load_mesh_scene(const std::vector<std::string>& paths, LoadContext& context) {
+  MeshData data = load_mesh_data(paths, context);
+  Scene scene;
+  scene.materials.emplace_back();
+  scene.fps = 1;
+  if (paths.size() > 1) scene.shutter = {0, 1};
+  scene.warnings = std::move(data.warnings);
+  SceneMesh mesh;
+  mesh.name = std::filesystem::path(paths.front()).stem().string();
+  mesh.triangles = std::move(data.triangles);
+  mesh.uvs = std::move(data.uvs);
+  mesh.prim_ids = std::move(data.prim_ids);
+  mesh.motion = std::make_shared<KeyframeMotion>(
+      VertexKeys{even_times(paths.size()), std::move(data.positions), std::move(data.normals)});
+  scene.meshes.push_back(std::move(mesh));
+  return scene;
+}
+
+template <class T>
+void move_append(std::vector<T>& to, std::vector<T>& from) {
+  to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
+}
+
+template <class T>
+void number_repeated_names(std::vector<T>& named) {
+  std::set<std::string> taken;
+  for (const T& one : named) taken.insert(one.name);
+  std::set<std::string> seen;
+  std::map<std::string, size_t> next_number;
+  for (T& one : named) {
+    if (seen.insert(one.name).second) continue;
+    std::string name;
+    do {
+      name = fmt::format("{}.{}", one.name, ++next_number[one.name]);
+    } while (!taken.insert(name).second);
+    one.name = name;
+    seen.insert(name);
+  }
+}
+
+}  // namespace
+
+void make_names_unique(Scene& scene) {
+  number_repeated_names(scene.meshes);
+  number_repeated_names(scene.cameras);
+}
+
+void append_scene(Scene& scene, Scene other) {
+  const auto offset = static_cast<uint32_t>(scene.materials.size());
+  for (SceneMesh& mesh : other.meshes) mesh.material += offset;
+  move_append(scene.materials, other.materials);
+  move_append(scene.meshes, other.meshes);
+  move_append(scene.cameras, other.cameras);
+  move_append(scene.lights, other.lights);
+  move_append(scene.warnings, other.warnings);
+  if (scene.background == Vec3f{}) scene.background = other.background;
+  if (!scene.shutter) scene.shutter = other.shutter;
+  if (!scene.image_size) scene.image_size = other.image_size;
+}
+
+Scene load_file(const std::string& path, LoadContext& context) {
+  switch (format_of(path)) {
+    case FileFormat::obj:
+    case FileFormat::ply:
+      return load_mesh_scene({path}, context);
+    case FileFormat::native:
+      return load_native(path, context);
+    case FileFormat::gltf:
+      break;
+  }
+  throw Error(ErrorCode::bad_input, path, "glTF files are not read by this build");
+}
+
+std::shared_ptr<const Scene> load_scene(const std::vector<std::string>& paths, const LoadOptions& options) {
+  if (paths.empty()) throw Error(ErrorCode::bad_usage, "", "no scene file given");
+  std::vector<std::string> mesh_files, scene_files;
+  for (const std::string& path : paths) (is_mesh_file(path) ? mesh_files : scene_files).push_back(path);
+  LoadContext context;
+  context.options = options;
+  try {
+    std::optional<Scene> scene;
+    for (const std::string& path : scene_files) {
+      Scene one = load_file(path, context);
+      if (scene)
+        append_scene(*scene, std::move(one));
+      else
+        scene = std::move(one);
+    }
+    if (!mesh_files.empty()) {
+      Scene one = load_mesh_scene(mesh_files, context);
+      if (scene)
+        append_scene(*scene, std::move(one));
+      else
+        scene = std::move(one);
+    }
+    make_names_unique(*scene);
+    return std::make_shared<const Scene>(std::move(*scene));
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::bad_input, paths.front(), "needs more memory than there is");
+  }
+}
+
+}  // namespace kairos

@@ -1,0 +1,44 @@
+// From file names to a scene, whatever the format.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+#include "scene_io/mesh_data.h"
+
+namespace kairos {
+
+/// What a tree of files that include each other has used up so far.
+struct LoadContext {
+  LoadOptions options;
+  std::vector<std::string> open_files;  ///< the scene files that lead to the one being read, outermost first
+  int files_left = 100000;              ///< how many more may be read: two files that include each other twice ...
+
+  /// Counts a file. Throws Error(bad_input, place) when too many were read.
+  void count_file(const std::string& place);
+};
+
+/// The format by the name's extension, in any case. Throws Error(bad_input) for an unknown one.
+enum class FileFormat { obj, ply, gltf, native };
+FileFormat format_of(const std::string& path);
+/// OBJ and PLY hold a mesh, other formats scenes.
+bool is_mesh_file(const std::string& path);
+
+/// Reads OBJ or PLY files as the motion keys of one mesh. Throws Error(bad_input) or Error(io).
+MeshData load_mesh_data(const std::vector<std::string>& paths, LoadContext& context);
+
+/// times[key] for keys spread evenly over 0 to 1.
+std::vector<double> even_times(size_t keys);
+
+/// Reads one file of any format into a scene of its own.
+Scene load_file(const std::string& path, LoadContext& context);
+
+/// Puts `other` into `scene`: materials are appended and indices follow; what `scene` has of a shutter, an image size
+/// or a background (other than black) stays.
+void append_scene(Scene& scene, Scene other);
+
+/// Adds ".1", ".2", ... to the names of meshes, and of cameras, that came before.
+void make_names_unique(Scene& scene);
+
+}  // namespace kairos

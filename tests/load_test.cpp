@@ -1,0 +1,102 @@
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <kairos/scene.h>
+
+#include "data_folders.h"
+#include "error_matchers.h"
+#include "scene/scene.h"
+#include "temp_folder.h"
+
+namespace kairos {
+namespace {
+
+using testing::ElementsAre;
+
+const char* const kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+const char* const kMoved = "v 0 0 4\nv 1 0 4\nv 0 1 4\nf 1 2 3\n";
+
+Vec3d first_vertex(const SceneMesh& mesh, double time) {
+  std::vector<Vec3d> out(mesh.motion->vertex_count());
+  mesh.motion->positions(time, Side::after, out);
+  return out[0];
+}
+
+TEST(LoadScene, OneMeshFileIsStatic) {
+  const TempFolder folder;
+  const auto scene = load_scene({folder.write("one.OBJ", kTriangle)});
+  ASSERT_EQ(scene->meshes.size(), 1u);
+  EXPECT_EQ(scene->meshes[0].name, "one");
+  EXPECT_TRUE(scene->meshes[0].motion->is_static(-1e9, 1e9));
+  EXPECT_EQ(scene->materials.size(), 1u);
+  EXPECT_FALSE(scene->shutter);
+}
+
+TEST(LoadScene, SeveralMeshFilesAreKeysOfOneMesh) {
+  const TempFolder folder;
+  const std::string a = folder.write("a.obj", kTriangle), b = folder.write("b.obj", kMoved);
+  const std::string c =
+      folder.write("c.ply",
+                   "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                   "element face 1\nproperty list int int vertex_indices\nend_header\n0 0 8 1 0 0 0 1 0 3 0 1 2");
+  const auto scene = load_scene({a, b, c});
+  ASSERT_EQ(scene->meshes.size(), 1u);
+  EXPECT_EQ(first_vertex(scene->meshes[0], 0.25), (Vec3d{0, 0, 2}));
+  EXPECT_EQ(first_vertex(scene->meshes[0], 0.75), (Vec3d{0, 0, 6}));
+  EXPECT_EQ(scene->shutter, (std::array<double, 2>{0, 1}));
+}
+
+TEST(LoadScene, OtherFilesArePutTogether) {
+  const TempFolder folder;
+  const std::string a = folder.write("a.obj", kTriangle);
+  folder.write("b.obj", kMoved);
+  const char* const json =
+      R"({"kairos": 1, "meshes": [{"keys": ["a.obj"], "material": "m"}, {"name": "a.1", "keys": ["b.obj"]}],
+    "materials": {"m": {"base_color": [1,0,0]}}, "camera": {"keys": [{"eye": [0,0,1], "target": [0,0,0]}]}})";
+  std::string other = json;
+  for (size_t at = 0; (at = other.find("\"m\"", at)) != other.npos;) other.replace(at, 3, "\"n\"");
+  const auto scene = load_scene({folder.write("one.json", json), a, folder.write("two.json", other)});
+  std::vector<std::string> meshes, materials, cameras;
+  for (const SceneMesh& mesh : scene->meshes) {
+    meshes.push_back(mesh.name);
+    materials.push_back(scene->materials.at(mesh.material).name);
+  }
+  for (const SceneCamera& camera : scene->cameras) cameras.push_back(camera.name);
+  EXPECT_THAT(meshes, ElementsAre("a", "a.1", "a.2", "a.1.1", "a.3"));
+  EXPECT_THAT(materials, ElementsAre("m", "", "n", "", ""));
+  EXPECT_THAT(cameras, ElementsAre("camera", "camera.1"));
+}
+
+TEST(LoadScene, NamesWhatItCannotRead) {
+  const TempFolder folder;
+  expect_error([] { load_scene({}); }, {"no scene file"}, ErrorCode::bad_usage);
+  expect_error([] { load_scene({"scene.fbx"}); }, {"scene.fbx", ".obj, .ply, .gltf, .glb or .json"});
+  expect_error([&] { load_scene({folder.path("no.obj")}); }, {"no.obj", "cannot be opened"}, ErrorCode::io);
+  expect_error([&] { load_scene({folder.write("x.ply", "solid")}); }, {"x.ply", "is it a PLY file?"});
+}
+
+TEST(LoadScene, OracleScenesLoad) {
+  const std::filesystem::path oracle = oracle_folder();
+  if (!std::filesystem::exists(oracle)) GTEST_SKIP() << "no folder " << oracle << "; set KAIROS_ORACLE";
+  int count = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(oracle)) {
+    if (entry.path().filename() != "scene.json") continue;
+    SCOPED_TRACE(entry.path());
+    const auto scene = load_scene({entry.path().string()});
+    EXPECT_FALSE(scene->meshes.empty());
+    EXPECT_TRUE(scene->warnings.empty()) << scene->warnings[0];
+    // The last rectangle of a coverage scene is a wall behind the others.
+    const bool all_static = entry.path().parent_path().filename() == "static";
+    for (const SceneMesh& mesh : scene->meshes) {
+      EXPECT_FALSE(mesh.triangles.empty());
+      EXPECT_EQ(mesh.motion->is_static(0, 1), all_static || mesh.name == "rect4") << mesh.name;
+    }
+    ++count;
+  }
+  EXPECT_GE(count, 1) << oracle;
+}
+
+}  // namespace
+}  // namespace kairos
