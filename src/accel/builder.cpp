@@ -168,13 +168,13 @@ class Builder {
       Bin right;
       for (uint32_t b = kBins - 1; b > 0; --b) {
         right.include(bins[b]);
-        right_cost[b] = right.count == 0 ? 0 : right.box.swept_half_area() * block_tests(right.count);
+        right_cost[b] = right.count == 0 ? 0 : right.box.cost() * block_tests(right.count);
       }
       Bin left;
       for (uint32_t b = 1; b < kBins; ++b) {
         left.include(bins[b - 1]);
         if (left.count == 0 || left.count == range.count()) continue;
-        const float cost = left.box.swept_half_area() * block_tests(left.count) + right_cost[b];
+        const float cost = left.box.cost() * block_tests(left.count) + right_cost[b];
         if (cost < best_cost) {
           best_cost = cost;
           best = {axis, b};
@@ -208,18 +208,18 @@ class Builder {
     uint32_t count = 1;
     while (count < kWidth) {
       // Open the child that is most likely to be met.
-      int widest = -1;
-      float widest_area = -1;
+      int costliest = -1;
+      float highest_cost = -1;
       for (uint32_t c = 0; c < count; ++c) {
-        const float area = child[c].box.swept_half_area();
-        if (child[c].count() > kWidth && area > widest_area) {
-          widest = static_cast<int>(c);
-          widest_area = area;
+        const float cost = child[c].box.cost();
+        if (child[c].count() > kWidth && cost > highest_cost) {
+          costliest = static_cast<int>(c);
+          highest_cost = cost;
         }
       }
-      if (widest < 0) break;
-      auto [left, right] = split(child[static_cast<size_t>(widest)], level > kDeepestHeuristicLevel);
-      child[static_cast<size_t>(widest)] = left;
+      if (costliest < 0) break;
+      auto [left, right] = split(child[static_cast<size_t>(costliest)], level > kDeepestHeuristicLevel);
+      child[static_cast<size_t>(costliest)] = left;
       child[count++] = right;
     }
 

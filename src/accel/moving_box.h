@@ -42,10 +42,12 @@ struct MovingBox {
     return axis < 3 ? 0.5f * (begin + end) : end - begin;
   }
 
-  /// Half the surface of the volume swept by a box of the mean size that moves with the centre: proportional to the
-  /// probability that a random line meets the box at *any* time. The Minkowski sum of a box (edges a, b, c) and a
-  /// motion m is a zonotope, whose faces come in pairs |g_i x g_j| of its four generators (docs/method.md, "Builder").
-  float swept_half_area() const {
+  /// Cost of a node, in units of half a surface. First term: the volume swept by a box of the mean size that moves with
+  /// the centre, proportional to the probability that a random line meets the box at *any* time. It is the Minkowski
+  /// sum of a box (edges a, b, c) and a motion m, a zonotope whose faces come in pairs |g_i x g_j| of its four
+  /// generators. Second term, at half the weight: the mean box, proportional to the time for which the line does. Where
+  /// boxes cross each other's paths the first cannot tell whether they are kept apart (docs/method.md, "Builder").
+  float cost() const {
     float edge[3], move[3];
     for (int axis = 0; axis < 3; ++axis) {
       edge[axis] = 0.5f * ((upper(0, axis) - lower(0, axis)) + (upper(1, axis) - lower(1, axis)));
@@ -55,7 +57,7 @@ struct MovingBox {
     const float swept = edge[0] * std::sqrt(move[1] * move[1] + move[2] * move[2]) +
                         edge[1] * std::sqrt(move[2] * move[2] + move[0] * move[0]) +
                         edge[2] * std::sqrt(move[0] * move[0] + move[1] * move[1]);
-    return box + swept;
+    return 1.5f * box + swept;
   }
 };
 

@@ -1,6 +1,7 @@
 #include "kernels/resolve.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <tuple>
 
@@ -16,17 +17,22 @@ bool earlier(const Segment& a, const Segment& b) {
   return std::tie(a.begin, a.mesh, a.triangle) < std::tie(b.begin, b.mesh, b.triangle);
 }
 
-void sort_by_begin(std::vector<Segment>& hits) {
-  constexpr size_t kInsertionSortCount = 16;
-  if (hits.size() > kInsertionSortCount) {
-    std::sort(hits.begin(), hits.end(), earlier);
+/// Indices of the hits by begin, in the low half of each key; above it the begin's bits, which order like the number
+/// since it is not negative.
+void sort_by_begin(const std::vector<Segment>& hits, std::vector<uint64_t>& order) {
+  order.resize(hits.size());
+  for (size_t i = 0; i < hits.size(); ++i)
+    order[i] = static_cast<uint64_t>(std::bit_cast<uint32_t>(hits[i].begin)) << 32 | i;
+  constexpr size_t kInsertionSortCount = 24;
+  if (order.size() > kInsertionSortCount) {
+    std::sort(order.begin(), order.end());
     return;
   }
-  for (size_t i = 1; i < hits.size(); ++i) {
-    const Segment hit = hits[i];
+  for (size_t i = 1; i < order.size(); ++i) {
+    const uint64_t key = order[i];
     size_t place = i;
-    for (; place > 0 && earlier(hit, hits[place - 1]); --place) hits[place] = hits[place - 1];
-    hits[place] = hit;
+    for (; place > 0 && key < order[place - 1]; --place) order[place] = order[place - 1];
+    order[place] = key;
   }
 }
 
@@ -46,14 +52,14 @@ bool in_front(const Piece& a, const Piece& b, float time) {
 
 class Sweep {
  public:
-  Sweep(const std::vector<Segment>& hits, std::vector<Piece>& active, std::vector<Segment>& out)
-      : hits_(hits), active_(active), out_(out) {}
+  Sweep(const std::vector<Segment>& hits, ResolveScratch& scratch, std::vector<Segment>& out)
+      : hits_(hits), order_(scratch.order), active_(scratch.active), out_(out) {}
 
   void run() {
     active_.clear();
     out_.clear();
-    while (next_ < hits_.size()) {
-      now_ = hits_[next_].begin;
+    while (next_ < order_.size()) {
+      now_ = next_hit().begin;
       emitted_ = now_;
       admit();
       while (choose()) step();
@@ -65,10 +71,12 @@ class Sweep {
   }
 
  private:
+  const Segment& next_hit() const { return hits_[static_cast<uint32_t>(order_[next_])]; }
+
   /// Takes up every hit that begins by now. The one seen now may change.
   void admit() {
-    for (; next_ < hits_.size() && hits_[next_].begin <= now_ + kTimeSnap; ++next_) {
-      const Segment& hit = hits_[next_];
+    for (; next_ < order_.size() && next_hit().begin <= now_ + kTimeSnap; ++next_) {
+      const Segment& hit = next_hit();
       if (hit.end - now_ < kTimeSnap) continue;
       active_.push_back({hit, (hit.dist_end - hit.dist_begin) / (hit.end - hit.begin)});
     }
@@ -102,8 +110,8 @@ class Sweep {
 
   /// Goes on to the next instant at which something may change, and notes down what was seen until then.
   void step() {
-    while (next_ < hits_.size() && hits_[next_].begin <= change_ + kTimeSnap) {
-      const Segment& hit = hits_[next_];
+    while (next_ < order_.size() && next_hit().begin <= change_ + kTimeSnap) {
+      const Segment& hit = next_hit();
       now_ = std::min(std::max(now_, hit.begin), change_);
       if (hit.end - now_ < kTimeSnap) {
         ++next_;
@@ -140,9 +148,10 @@ class Sweep {
   }
 
   const std::vector<Segment>& hits_;
+  const std::vector<uint64_t>& order_;
   std::vector<Piece>& active_;
   std::vector<Segment>& out_;
-  size_t next_ = 0;    // first hit not taken up
+  size_t next_ = 0;    // first hit not taken up, as a place in order_
   size_t seen_ = 0;    // index into active_
   float now_ = 0;      // everything before is decided
   float change_ = 0;   // until then `seen_` is in front of all active hits
@@ -151,9 +160,9 @@ class Sweep {
 
 }  // namespace
 
-void resolve_visible(std::vector<Segment>& hits, ResolveScratch& scratch, std::vector<Segment>& out) {
-  sort_by_begin(hits);
-  Sweep(hits, scratch.active, out).run();
+void resolve_visible(const std::vector<Segment>& hits, ResolveScratch& scratch, std::vector<Segment>& out) {
+  sort_by_begin(hits, scratch.order);
+  Sweep(hits, scratch, out).run();
 }
 
 void order_all(std::vector<Segment>& hits, std::vector<Segment>& out) {
