@@ -20,9 +20,9 @@ struct StackEntry {
   float begin, end;
 };
 
-/// How far a hit's distance may leave the straight line between its ends, as a share of it, before the hit is cut in two; and
-/// how often that is done. What is in front is decided on these lines, so where triangles pass through each other this is
-/// what limits the accuracy of the time.
+/// How far a hit's distance may leave the straight line between its ends, as a share of it, before the hit is cut in
+/// two; and how often that is done. What is in front is decided on these lines, so where triangles pass through each
+/// other this is what limits the accuracy of the time.
 template <class Real>
 inline constexpr float kLinearDistance = sizeof(Real) == 8 ? 1e-6f : 1e-4f;
 template <class Real>
