@@ -1,0 +1,85 @@
+// From a shot to a picture.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include <kairos/image.h>
+#include <kairos/scene.h>
+#include <kairos/tracer.h>
+
+namespace kairos {
+
+enum class IntegratorKind {
+  tc,   ///< time-continuous rays: exact in time, sampled over the pixel
+  qmc,  ///< discrete rays, sampled over the pixel and the shutter
+};
+enum class SamplerKind {
+  owen_sobol,    ///< Owen-scrambled Sobol' points, jointly in x, y and time
+  multi_jitter,  ///< correlated multi-jittered in x and y, time stratified apart
+  random,        ///< independent
+};
+enum class ShadingKind {
+  normal,  ///< (|n.x|, |n.y|, |n.z|) of the unit normal in world space: the mesh's own, or the triangle's
+  flat,    ///< base colour plus emission, unlit
+};
+enum class FilterKind {
+  box,              ///< the pixel itself
+  gaussian,         ///< standard deviation 0.5 px, cut at 1.5 px
+  blackman_harris,  ///< 3 px wide
+};
+
+/// Channels beside the colour. Means are over the pixel and the shutter, with zero where nothing is seen: divide by the
+/// coverage for the mean over what is seen.
+enum class Aov {
+  depth,     ///< "depth.Z": nearest distance along the view axis over the pixel and the shutter; +infinity for nothing
+  normal,    ///< "normal.X", "normal.Y", "normal.Z": mean of the unit normal in world space
+  albedo,    ///< "albedo.R", "albedo.G", "albedo.B": mean base colour
+  coverage,  ///< "coverage.A": the fraction in which anything is seen
+  segments,  ///< "segments.Y": mean number of visibility segments per ray (discrete rays: of hits)
+  mesh,      ///< "mesh.id": 1 + index of the mesh that is seen most (the lowest of equals); 0 for nothing
+};
+
+/// Pixels [x0, x1) x [y0, y1) of the frame.
+struct Crop {
+  int x0 = 0, x1 = 0, y0 = 0, y1 = 0;
+};
+
+struct RenderParams {
+  IntegratorKind integrator = IntegratorKind::tc;
+  int tc_rays = 16;         ///< tc: rays per pixel, 1 to 2^20
+  int shading_samples = 8;  ///< tc: per ray, over its segments by duration, at least one in each; 1 to 2^16
+  int spp = 64;             ///< qmc: samples per pixel, 1 to 2^20
+  SamplerKind sampler = SamplerKind::owen_sobol;
+  ShadingKind shading = ShadingKind::normal;
+  FilterKind filter = FilterKind::box;
+  std::vector<Aov> aovs;
+  std::optional<Crop> crop;  ///< unset: the whole frame; its pixels are those of the whole frame, bit for bit
+  uint64_t seed = 0;
+  int threads = 0;                                ///< 0: as many as the machine has; no effect on the picture
+  std::optional<InstructionSet> instruction_set;  ///< tc: unset: the best one
+};
+
+struct RenderStats {
+  double build_seconds = 0, render_seconds = 0;  ///< wall clock
+  uint64_t rays = 0;
+  uint64_t segments = 0;                          ///< visibility segments (discrete rays: hits)
+  uint64_t shading_samples = 0;                   ///< shading evaluations
+  TraceCounters counters;                         ///< tc only
+  size_t accel_memory_bytes = 0;                  ///< tc only
+  int threads = 0;                                ///< used
+  std::optional<InstructionSet> instruction_set;  ///< of the tc kernels; unset: discrete rays
+};
+
+/// Told the fraction done, 0 to 1, about twenty times a second from one rendering thread at a time. Returning false
+/// stops rendering.
+using Progress = std::function<bool(double fraction)>;
+
+/// Renders a shot in camera space. The image's attributes say how it was made.
+/// Throws Error(bad_usage) for parameters out of range, Error(cancelled) when `progress` says so.
+Image render(const Shot& shot, const RenderParams& params = {}, RenderStats* stats = nullptr,
+             const Progress& progress = {});
+
+}  // namespace kairos
