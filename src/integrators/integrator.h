@@ -1,0 +1,52 @@
+// What all integrators have in common: they answer for one pixel at a time.
+#pragma once
+
+#include <memory>
+
+#include "film/pixel_filter.h"
+#include "film/shaded_segment.h"
+#include "integrators/camera_rays.h"
+#include "integrators/monitor.h"
+#include "math/sampler.h"
+#include "shading/shader.h"
+
+namespace kairos {
+
+/// What rays are made from and shaded with. Immutable, shared by all threads.
+struct PixelContext {
+  CameraRays camera;
+  Sampler sampler;
+  PixelFilter filter;
+  Shader shader;
+  uint64_t seed;
+
+  /// The ray of a sample of pixel (x, y).
+  Ray ray(int x, int y, const SamplePoint& point) const {
+    return camera.at(x + 0.5 + filter.offset(point.x), y + 0.5 + filter.offset(point.y));
+  }
+};
+
+class Integrator {
+ public:
+  virtual ~Integrator() = default;
+
+  /// One thread's scratch memory and counters.
+  class Worker {
+   public:
+    virtual ~Worker() = default;
+    /// Hands the pixel's rays to the sink, in a fixed order. Polls the monitor, and so may throw Error(cancelled).
+    virtual void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) = 0;
+    /// Adds this worker's counts to `stats`.
+    virtual void add_counts(RenderStats& stats) const = 0;
+  };
+  virtual std::unique_ptr<Worker> make_worker() const = 0;
+};
+
+/// A slow pixel must not keep one waiting: poll the monitor once per this many rays.
+inline constexpr uint32_t kRaysPerPoll = 64;
+
+std::unique_ptr<Integrator> make_tc_integrator(const Shot& shot, const RenderParams& params,
+                                               const PixelContext& context, RenderStats& stats);
+std::unique_ptr<Integrator> make_qmc_integrator(const Shot& shot, const PixelContext& context);
+
+}  // namespace kairos

@@ -1,0 +1,117 @@
+#include <chrono>
+#include <mutex>
+
+#include <kairos/render.h>
+#include <kairos/version.h>
+
+#include "base/parallel.h"
+#include "film/film.h"
+#include "integrators/integrator.h"
+#include "integrators/names.h"
+
+namespace kairos {
+
+namespace {
+
+constexpr int kTileSize = 16;                     // pixels
+constexpr int kMaxSide = 65536;                   // pixels
+constexpr int64_t kMaxPixels = int64_t{1} << 28;  // of the part that is rendered
+constexpr int kMaxShadingSamples = 1 << 16;
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::bad_usage, "", what); }
+
+void check(const Projection& p, const RenderParams& params, const Crop& crop) {
+  if (p.width < 1 || p.height < 1 || p.width > kMaxSide || p.height > kMaxSide)
+    refuse("image width and height must be 1 to " + std::to_string(kMaxSide));
+  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > p.width || crop.y1 > p.height || crop.x0 >= crop.x1 || crop.y0 >= crop.y1)
+    refuse("crop " + std::to_string(crop.x0) + "," + std::to_string(crop.x1) + "," + std::to_string(crop.y0) + "," +
+           std::to_string(crop.y1) + " is empty or leaves the frame of " + std::to_string(p.width) + "x" +
+           std::to_string(p.height) + " pixels; give x0,x1,y0,y1 with 0 <= x0 < x1 <= width");
+  if (int64_t{crop.x1 - crop.x0} * (crop.y1 - crop.y0) > kMaxPixels)
+    refuse("more than " + std::to_string(kMaxPixels) + " pixels; render it in parts with a crop");
+  if (params.shading_samples < 1 || params.shading_samples > kMaxShadingSamples)
+    refuse("shading samples must be 1 to " + std::to_string(kMaxShadingSamples));
+  if (params.threads < 0) refuse("the number of threads must not be negative");
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void render_tiles(const Integrator& integrator, const Shot& shot, const RenderParams& params, const Crop& crop,
+                  Monitor& monitor, Film& film, RenderStats& stats) {
+  const bool count_meshes = std::find(params.aovs.begin(), params.aovs.end(), Aov::mesh) != params.aovs.end();
+  const int columns = (crop.x1 - crop.x0 + kTileSize - 1) / kTileSize;
+  const int rows = (crop.y1 - crop.y0 + kTileSize - 1) / kTileSize;
+  std::mutex mutex;  // of stats
+  parallel_for(static_cast<size_t>(columns) * static_cast<size_t>(rows), 1, [&](size_t first_tile, size_t last_tile) {
+    const auto worker = integrator.make_worker();
+    PixelSum sum(shot.background, count_meshes);
+    for (size_t tile = first_tile; tile < last_tile; ++tile) {
+      const int left = crop.x0 + static_cast<int>(tile % static_cast<size_t>(columns)) * kTileSize;
+      const int top = crop.y0 + static_cast<int>(tile / static_cast<size_t>(columns)) * kTileSize;
+      for (int y = top; y < std::min(top + kTileSize, crop.y1); ++y)
+        for (int x = left; x < std::min(left + kTileSize, crop.x1); ++x) {
+          sum.clear();
+          worker->render_pixel(x, y, sum, monitor);
+          film.set(x, y, sum);
+          monitor.finish_pixel();
+        }
+    }
+    const std::lock_guard<std::mutex> lock(mutex);
+    worker->add_counts(stats);
+  });
+}
+
+void describe(Image& image, const Shot& shot, const RenderParams& params, const RenderStats& stats, uint32_t samples) {
+  const auto put = [&](const char* name, auto value) { image.attributes.push_back({name, value}); };
+  put("kairos:version", std::string(version()));
+  put("kairos:integrator", std::string(name_of(kIntegratorNames, params.integrator)));
+  put("kairos:samples", static_cast<int>(samples));
+  if (params.integrator == IntegratorKind::tc) put("kairos:shading_samples", params.shading_samples);
+  put("kairos:sampler", std::string(name_of(kSamplerNames, params.sampler)));
+  put("kairos:shading", std::string(name_of(kShadingNames, params.shading)));
+  put("kairos:filter", std::string(name_of(kFilterNames, params.filter)));
+  put("kairos:seed", std::to_string(params.seed));
+  put("kairos:shutter", std::array<double, 2>{shot.shutter_open, shot.shutter_close});
+  put("kairos:render_seconds", stats.render_seconds);
+  if (image.find("mesh.id") != nullptr) {
+    std::vector<std::string> names;
+    for (const Mesh& mesh : shot.meshes) names.push_back(mesh.name);
+    put("kairos:mesh_names", names);
+  }
+}
+
+}  // namespace
+
+Image render(const Shot& shot, const RenderParams& params, RenderStats* stats_out, const Progress& progress) {
+  const Crop crop = params.crop.value_or(Crop{0, shot.projection.width, 0, shot.projection.height});
+  check(shot.projection, params, crop);
+  const bool tc = params.integrator == IntegratorKind::tc;
+  const int samples = tc ? params.tc_rays : params.spp;
+  const bool want_normal = std::find(params.aovs.begin(), params.aovs.end(), Aov::normal) != params.aovs.end();
+  const PixelContext context{CameraRays(shot.projection),
+                             Sampler(params.sampler, static_cast<uint32_t>(std::max(samples, 0)), params.seed),
+                             PixelFilter(params.filter), Shader(shot, params.shading, want_normal), params.seed};
+  Film film(shot.projection.width, shot.projection.height, crop, params.aovs);
+
+  const ThreadLimit limit(params.threads);
+  RenderStats stats;
+  stats.threads = thread_count();
+  auto start = std::chrono::steady_clock::now();
+  const auto integrator = tc ? make_tc_integrator(shot, params, context, stats) : make_qmc_integrator(shot, context);
+  stats.build_seconds = seconds_since(start);
+
+  start = std::chrono::steady_clock::now();
+  Monitor monitor(progress, static_cast<uint64_t>(crop.x1 - crop.x0) * static_cast<uint64_t>(crop.y1 - crop.y0));
+  render_tiles(*integrator, shot, params, crop, monitor, film, stats);
+  monitor.finish();
+  stats.render_seconds = seconds_since(start);
+
+  Image image = film.take();
+  describe(image, shot, params, stats, context.sampler.count());
+  if (stats_out != nullptr) *stats_out = stats;
+  return image;
+}
+
+}  // namespace kairos

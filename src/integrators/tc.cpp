@@ -1,0 +1,85 @@
+// Time-continuous rays: exact visibility over the shutter, sampled over the pixel, shaded at instants.
+#include "integrators/integrator.h"
+#include "integrators/spread.h"
+#include "math/hash.h"
+
+namespace kairos {
+
+namespace {
+
+class TcIntegrator : public Integrator {
+ public:
+  TcIntegrator(const Shot& shot, const RenderParams& params, const PixelContext& context)
+      : context_(context),
+        // Where all instants of a segment look the same, the one sample that each gets is exact.
+        shading_samples_(context.shader.varies() ? params.shading_samples : 1),
+        tracer_(shot.meshes, {Precision::fast, params.instruction_set}) {}
+
+  std::unique_ptr<Worker> make_worker() const override { return std::make_unique<TcWorker>(*this); }
+  const Tracer& tracer() const { return tracer_; }
+
+ private:
+  class TcWorker : public Worker {
+   public:
+    explicit TcWorker(const TcIntegrator& integrator) : integrator_(integrator), context_(integrator.context_) {}
+
+    void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
+      const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
+      for (uint32_t i = 0; i < context_.sampler.count(); ++i) {
+        if (i % kRaysPerPoll == 0) monitor.poll();
+        const SamplePoint point = context_.sampler.point(pixel, i);
+        const Ray ray = context_.ray(x, y, point);
+        const auto segments = integrator_.tracer_.trace(ray, Visibility::visible, workspace_);
+        const double share = unit_float(hash(pixel.seed, i, kShareDimension));
+        spread_samples(segments, integrator_.shading_samples_, share, point.time, samples_);
+        shaded_.clear();
+        for (const ShadingSample& sample : samples_) shaded_.push_back(shade(ray, segments[sample.segment], sample));
+        shading_samples_ += shaded_.size();
+        sink.add({ShadedRay::Kind::tc, shaded_, static_cast<uint32_t>(segments.size())});
+      }
+    }
+
+    void add_counts(RenderStats& stats) const override {
+      stats.counters += workspace_.counters();
+      stats.rays += workspace_.counters().rays;
+      stats.segments += workspace_.counters().segments;
+      stats.shading_samples += shading_samples_;
+    }
+
+   private:
+    static constexpr uint64_t kShareDimension = 3;  // beside x, y and time
+
+    ShadedSegment shade(const Ray& ray, const Segment& segment, const ShadingSample& sample) const {
+      const Shade shade = context_.shader.shade(ray, segment.mesh, segment.triangle, sample.time);
+      const auto dist_at = [&](float time) {
+        return segment.dist_begin +
+               (segment.dist_end - segment.dist_begin) * ((time - segment.begin) / segment.duration());
+      };
+      return {sample.begin, sample.end,   dist_at(sample.begin), dist_at(sample.end), shade.colour,
+              shade.normal, shade.albedo, segment.mesh,          segment.triangle};
+    }
+
+    const TcIntegrator& integrator_;
+    const PixelContext& context_;
+    Tracer::Workspace workspace_;
+    std::vector<ShadingSample> samples_;
+    std::vector<ShadedSegment> shaded_;
+    uint64_t shading_samples_ = 0;
+  };
+
+  const PixelContext& context_;
+  int shading_samples_;
+  Tracer tracer_;
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_tc_integrator(const Shot& shot, const RenderParams& params,
+                                               const PixelContext& context, RenderStats& stats) {
+  auto integrator = std::make_unique<TcIntegrator>(shot, params, context);
+  stats.instruction_set = integrator->tracer().instruction_set();
+  stats.accel_memory_bytes = integrator->tracer().memory_bytes();
+  return integrator;
+}
+
+}  // namespace kairos
