@@ -1,1 +1,75 @@
-int main() { return 0; }
+// The command line: kairos render|query|info. Exit status 0 on success, 1 on bad input or a failed render, 2 on bad
+// usage.
+#include <algorithm>
+#include <cstdio>
+#include <new>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <kairos/error.h>
+#include <kairos/version.h>
+
+#include "commands.h"
+#include "interrupt.h"
+
+namespace {
+
+constexpr int kFailed = 1, kBadUsage = 2;
+
+// Errors are one line, whatever is in the names that they quote.
+int fail(int status, std::string message) {
+  std::replace_if(
+      message.begin(), message.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }, ' ');
+  fmt::print(stderr, "kairos: {}\n", message);
+  return status;
+}
+
+// As a shell would read it.
+std::string quoted(const std::string& word) {
+  const bool plain = !word.empty() && word.find_first_not_of(
+                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                          "0123456789_-+=./,:@%") == std::string::npos;
+  if (plain) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Kairos: ray tracing in which time is integrated exactly", "kairos");
+  app.set_version_flag("--version", std::string("kairos ") + kairos::version(), "Print the version and end");
+  app.require_subcommand(1);
+  kairos::cli::Action chosen;
+  std::string command_line = "kairos";
+  for (int i = 1; i < argc; ++i) command_line += " " + quoted(argv[i]);
+  kairos::cli::add_render_command(app, chosen, command_line);
+  kairos::cli::add_query_command(app, chosen);
+  kairos::cli::add_info_command(app, chosen);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);
+    return fail(kBadUsage, std::string(e.what()) + " (try kairos --help, kairos render --help)");
+  }
+  chosen();
+  // What a full disk or a closed pipe swallowed is only known now.
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return fail(kFailed, "standard output cannot be written");
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  kairos::cli::install_interrupt_handler();
+  try {
+    return run(argc, argv);
+  } catch (const kairos::Error& e) {
+    return fail(e.code() == kairos::ErrorCode::bad_usage ? kBadUsage : kFailed, e.what());
+  } catch (const std::bad_alloc&) {
+    return fail(kFailed, "out of memory; try a smaller picture or scene");
+  } catch (const std::exception& e) {
+    return fail(kFailed, e.what());
+  }
+}

@@ -35,6 +35,7 @@ struct Scene {
   std::vector<Material> materials;  ///< never empty once loaded: index 0 exists
   std::vector<SceneCamera> cameras;
   std::vector<Light> lights;
+  std::vector<std::string> animations;  ///< names of those the files hold, played or not
   Vec3f background{0, 0, 0};
   std::optional<std::array<double, 2>> shutter;  ///< open, close in scene time; unset: see make_shot
   std::optional<std::array<int, 2>> image_size;  ///< width, height

@@ -1,0 +1,107 @@
+#include "arguments.h"
+
+#include <charconv>
+#include <cmath>
+
+namespace kairos::cli {
+
+uint64_t parse_count(const std::string& option, std::string_view text, uint64_t least, uint64_t most) {
+  uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < least || value > most)
+    throw CLI::ValidationError(option, fmt::format("'{}' is not a whole number from {} to {}", text, least, most));
+  return value;
+}
+
+double parse_real(const std::string& option, std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+    throw CLI::ValidationError(option, fmt::format("'{}' is not a finite number", text));
+  return value;
+}
+
+std::vector<std::string_view> split(const std::string& option, std::string_view text, char separator, size_t count,
+                                    const char* form) {
+  std::vector<std::string_view> parts;
+  std::string_view rest = text;
+  for (size_t at = rest.find(separator); at != std::string_view::npos; at = rest.find(separator)) {
+    parts.push_back(rest.substr(0, at));
+    rest.remove_prefix(at + 1);
+  }
+  parts.push_back(rest);
+  if (parts.size() != count) throw CLI::ValidationError(option, fmt::format("'{}' is not of the form {}", text, form));
+  return parts;
+}
+
+namespace {
+
+void add_real(CLI::App& app, const std::string& name, const std::string& help, const std::string& type,
+              std::function<void(double)> set) {
+  app.add_option_function<std::string>(
+         name, [name, set](const std::string& text) { set(parse_real(name, text)); }, help)
+      ->type_name(type);
+}
+
+}  // namespace
+
+void add_scene_arguments(CLI::App& app, SceneArguments& out) {
+  constexpr double kMostTolerance = 1e6;  // pixels
+  constexpr int kMostSide = 65536;        // pixels, as render() has it
+  app.add_option("SCENE", out.paths,
+                 "glTF, GLB, OBJ, PLY or native JSON; several OBJ or PLY files are motion keys of one mesh")
+      ->required();
+  app.add_option("--animation", out.load.animation, "Animation to play (default: the first)")->type_name("NAME|INDEX");
+  app.add_option("--gltf-scene", out.load.gltf_scene, "Scene of a glTF file (default: the file's own default)")
+      ->type_name("NAME|INDEX");
+  app.add_flag("--strict", out.load.strict, "Refuse bad triangles and unsupported features instead of warning");
+  app.add_option("--camera", out.shot.camera, "Camera (default: the first, or one that frames everything)")
+      ->type_name("NAME|INDEX");
+  add_real(app, "--frame", "Frame at which the shutter's times start", "F", [&](double v) { out.shot.frame = v; });
+  add_real(app, "--fps", "Frames per second", "R", [&](double v) {
+    if (!(v > 0)) throw CLI::ValidationError("--fps", "must be above 0");
+    out.shot.fps = v;
+  });
+  app.add_option_function<std::string>(
+         "--shutter",
+         [&](const std::string& text) {
+           const auto parts = split("--shutter", text, ',', 2, "OPEN,CLOSE");
+           const double open = parse_real("--shutter", parts[0]), close = parse_real("--shutter", parts[1]);
+           if (open > close) throw CLI::ValidationError("--shutter", "closes before it opens; give OPEN <= CLOSE");
+           out.shot.shutter = {open, close};
+         },
+         "When the shutter opens and closes, in frames")
+      ->type_name("OPEN,CLOSE");
+  app.add_option_function<std::string>(
+         "--size",
+         [&](const std::string& text) {
+           const auto parts = split("--size", text, 'x', 2, "WIDTHxHEIGHT");
+           out.shot.width = static_cast<int>(parse_count("--size", parts[0], 1, kMostSide));
+           out.shot.height = static_cast<int>(parse_count("--size", parts[1], 1, kMostSide));
+         },
+         "Size of the frame in pixels (default: the scene's own, or 960x540)")
+      ->type_name("WxH");
+  add_real(app, "--motion-tolerance",
+           "How far, in pixels, linear motion between keys may leave a vertex's true path [0.1]", "PIXELS",
+           [&](double v) {
+             if (!(v > 0 && v <= kMostTolerance))
+               throw CLI::ValidationError("--motion-tolerance", "must be above 0 and at most 1e6");
+             out.shot.motion_tolerance = v;
+           });
+  add_count(app, "--threads", out.threads, 0, 1024, "Threads; 0: as many as the machine has");
+}
+
+void add_instruction_set(CLI::App& app, std::optional<InstructionSet>& out) {
+  app.add_option_function<std::string>(
+         "--instruction-set",
+         [&out](const std::string& text) {
+           out = parse_instruction_set(text);
+           if (!out)
+             throw CLI::ValidationError("--instruction-set",
+                                        fmt::format("'{}' is not one of: scalar, sse4, avx2, avx512", text));
+         },
+         "Kernels to use (default: the best that the machine has)")
+      ->type_name("scalar|sse4|avx2|avx512");
+}
+
+}  // namespace kairos::cli

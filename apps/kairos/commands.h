@@ -1,0 +1,19 @@
+// The subcommands. Each adds itself to the command line; main runs the one that was chosen.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace kairos::cli {
+
+/// What to do once the command line is known to be right. Throws kairos::Error.
+using Action = std::function<void()>;
+
+/// command_line: as typed, for the picture's header.
+void add_render_command(CLI::App& app, Action& chosen, const std::string& command_line);
+void add_query_command(CLI::App& app, Action& chosen);
+void add_info_command(CLI::App& app, Action& chosen);
+
+}  // namespace kairos::cli

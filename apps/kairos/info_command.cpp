@@ -1,0 +1,124 @@
+// kairos info: what was loaded.
+#include <memory>
+#include <numbers>
+
+#include <nlohmann/json.hpp>
+
+#include "arguments.h"
+#include "base/parallel.h"
+#include "commands.h"
+#include "report.h"
+#include "scene/scene.h"
+
+namespace kairos::cli {
+
+namespace {
+
+struct InfoArguments {
+  SceneArguments scene;
+  bool json = false;
+};
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+nlohmann::ordered_json mesh_json(const Mesh& mesh) {
+  nlohmann::ordered_json json;
+  json["name"] = mesh.name;
+  json["triangles"] = mesh.triangles.size();
+  json["vertices"] = mesh.vertex_count();
+  json["keys"] = mesh.key_count();
+  json["key_times"] = mesh.is_static() ? std::vector<float>{} : mesh.key_times;
+  json["memory_bytes"] = mesh_bytes(mesh);
+  return json;
+}
+
+nlohmann::ordered_json camera_json(const SceneCamera& camera) {
+  nlohmann::ordered_json json;
+  json["name"] = camera.name;
+  json["type"] = camera.orthographic ? "orthographic" : "perspective";
+  if (camera.orthographic)
+    json["view_height"] = camera.view_height;
+  else
+    json["vfov_degrees"] = camera.vfov * kDegrees;
+  return json;
+}
+
+nlohmann::ordered_json describe(const Scene& scene, const Shot& shot, double seconds) {
+  nlohmann::ordered_json json;
+  uint64_t keys = 0;
+  auto meshes = nlohmann::ordered_json::array();
+  for (const Mesh& mesh : shot.meshes) {
+    meshes.push_back(mesh_json(mesh));
+    keys += mesh.key_count();
+  }
+  auto cameras = nlohmann::ordered_json::array();
+  for (const SceneCamera& camera : scene.cameras) cameras.push_back(camera_json(camera));
+  json["triangles"] = triangle_count(shot.meshes);
+  json["keys"] = keys;
+  json["meshes"] = meshes;
+  json["cameras"] = cameras;
+  json["animations"] = scene.animations;
+  json["materials"] = shot.materials.size();
+  json["lights"] = shot.lights.size();
+  json["shutter"] = {shot.shutter_open, shot.shutter_close};
+  json["image"] = {shot.projection.width, shot.projection.height};
+  json["camera_moves"] = shot.camera_moves;
+  json["geometry_memory_bytes"] = mesh_bytes(shot.meshes);
+  json["peak_memory_bytes"] = peak_memory_bytes();
+  json["load_seconds"] = seconds;
+  json["warnings"] = scene.warnings;
+  json["notes"] = shot.notes;
+  return json;
+}
+
+std::string key_times_text(const Mesh& mesh) {
+  if (mesh.is_static()) return "still";
+  constexpr size_t kMostShown = 6;
+  std::string text = fmt::format("{} keys at", mesh.key_count());
+  for (size_t i = 0; i < std::min(kMostShown, mesh.key_count()); ++i) text += fmt::format(" {:.4g}", mesh.key_times[i]);
+  return mesh.key_count() > kMostShown ? text + " ... 1" : text;
+}
+
+void print_text(const Scene& scene, const Shot& shot, double seconds) {
+  fmt::print("{} meshes, {} triangles, {} of geometry, loaded in {:.2f} s with {} at most\n", shot.meshes.size(),
+             triangle_count(shot.meshes), megabytes(mesh_bytes(shot.meshes)), seconds, megabytes(peak_memory_bytes()));
+  fmt::print("{}x{} pixels, shutter {} to {} (scene time), camera {}\n", shot.projection.width, shot.projection.height,
+             shot.shutter_open, shot.shutter_close, shot.camera_moves ? "moves" : "still");
+  for (const Mesh& mesh : shot.meshes)
+    fmt::print("mesh '{}': {} triangles, {}, {}\n", mesh.name, mesh.triangles.size(), key_times_text(mesh),
+               megabytes(mesh_bytes(mesh)));
+  for (const SceneCamera& camera : scene.cameras)
+    fmt::print("camera '{}': {}\n", camera.name,
+               camera.orthographic ? fmt::format("orthographic, {:.4g} high", camera.view_height)
+                                   : fmt::format("perspective, {:.4g} degrees high", camera.vfov * kDegrees));
+  for (size_t i = 0; i < scene.animations.size(); ++i) fmt::print("animation {}: '{}'\n", i, scene.animations[i]);
+  for (const std::string& note : shot.notes) fmt::print("note: {}\n", note);
+  for (const std::string& warning : scene.warnings) fmt::print("warning: {}\n", warning);
+}
+
+void run_info(const InfoArguments& arguments) {
+  const ThreadLimit limit(arguments.scene.threads);
+  const Stopwatch loading;
+  const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
+  const Shot shot = make_shot(*scene, arguments.scene.shot);
+  const double seconds = loading.seconds();
+  if (arguments.json)
+    fmt::print("{}\n", describe(*scene, shot, seconds).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  else
+    print_text(*scene, shot, seconds);
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app, Action& chosen) {
+  CLI::App& command = *app.add_subcommand("info", "Say what a scene holds: meshes, keys, memory, cameras, warnings");
+  const auto arguments = std::make_shared<InfoArguments>();
+  add_scene_arguments(command, arguments->scene);
+  command.add_flag("--json", arguments->json, "As JSON");
+  command.callback([arguments, &chosen] {
+    arguments->scene.shot.strict = arguments->scene.load.strict;
+    chosen = [arguments] { run_info(*arguments); };
+  });
+}
+
+}  // namespace kairos::cli

@@ -1,0 +1,57 @@
+#include "progress_bar.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace kairos::cli {
+
+std::string with_unit(double value) {
+  if (value >= 1e9) return fmt::format("{:.3g} G", value / 1e9);
+  if (value >= 1e6) return fmt::format("{:.3g} M", value / 1e6);
+  if (value >= 1e3) return fmt::format("{:.3g} k", value / 1e3);
+  return fmt::format("{:.3g} ", value);
+}
+
+std::string clock_time(double seconds) {
+  constexpr double kMostSeconds = 1e9;
+  const auto whole = static_cast<long>(std::clamp(seconds, 0.0, kMostSeconds) + 0.5);
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{}:{:02}", whole / 60, whole % 60);
+  return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+ProgressBar::ProgressBar(double rays) : rays_(rays), terminal_(isatty(STDERR_FILENO) != 0) {}
+
+ProgressBar::~ProgressBar() {
+  if (terminal_) fmt::print(stderr, "\r\x1b[K");
+}
+
+std::string ProgressBar::rate_and_time_left(double fraction) const {
+  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  if (!(elapsed > 0 && fraction > 0)) return "";
+  return fmt::format("{}rays/s, {} left", with_unit(rays_ * fraction / elapsed),
+                     clock_time(elapsed * (1 - fraction) / fraction));
+}
+
+void ProgressBar::update(double fraction) {
+  if (!terminal_) {
+    const int decile = static_cast<int>(fraction * 10);
+    if (decile <= last_decile_) return;
+    last_decile_ = decile;
+    fmt::print(stderr, "{} %  {}\n", decile * 10, rate_and_time_left(fraction));
+    return;
+  }
+  constexpr auto kRedraw = std::chrono::milliseconds(100);
+  const auto now = std::chrono::steady_clock::now();
+  if (now - drawn_ < kRedraw && fraction < 1) return;
+  drawn_ = now;
+  constexpr size_t kWidth = 30;
+  const auto filled = static_cast<size_t>(std::lround(std::clamp(fraction, 0.0, 1.0) * kWidth));
+  fmt::print(stderr, "\r[{}{}] {:3.0f} %  {}\x1b[K", std::string(filled, '#'), std::string(kWidth - filled, '.'),
+             std::floor(fraction * 100), rate_and_time_left(fraction));
+}
+
+}  // namespace kairos::cli

@@ -1,0 +1,126 @@
+// kairos query: rays in, visibility segments out.
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include <kairos/error.h>
+
+#include "arguments.h"
+#include "base/parallel.h"
+#include "commands.h"
+#include "ray_reader.h"
+#include "scene/scene.h"
+
+namespace kairos::cli {
+
+namespace {
+
+constexpr size_t kRaysPerBatch = 4096;
+
+struct QueryArguments {
+  SceneArguments scene;
+  std::string rays;
+  bool all = false;
+  std::optional<InstructionSet> instruction_set;
+};
+
+// Writes the answers to rays, one line each.
+class Answerer {
+ public:
+  Answerer(const Shot& shot, const QueryArguments& arguments)
+      : shot_(shot),
+        visibility_(arguments.all ? Visibility::all : Visibility::visible),
+        tracer_(shot.meshes, {Precision::exact, arguments.instruction_set}) {
+    for (const Mesh& mesh : shot.meshes)
+      names_.push_back(nlohmann::json(mesh.name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  }
+
+  void answer(const std::vector<Ray>& rays) {
+    const SegmentBatch batch = tracer_.trace(rays, visibility_);
+    text_.clear();
+    for (size_t i = 0; i < rays.size(); ++i) {
+      text_.append(std::string_view("{\"segments\": ["));
+      bool first = true;
+      for (const Segment& s : batch[i]) {
+        // "{}" of a float: the shortest text that reads back as the same number.
+        fmt::format_to(
+            std::back_inserter(text_),
+            "{}{{\"begin\": {}, \"end\": {}, \"dist_begin\": {}, \"dist_end\": {}, \"mesh\": {}, \"prim\": {}, "
+            "\"front\": {}}}",
+            first ? "" : ", ", s.begin, s.end, s.dist_begin, s.dist_end, names_[s.mesh],
+            shot_.meshes[s.mesh].prim_id(s.triangle), s.front);
+        first = false;
+      }
+      text_.append(std::string_view("]}\n"));
+    }
+    if (std::fwrite(text_.data(), 1, text_.size(), stdout) != text_.size() || std::fflush(stdout) != 0)
+      throw Error(ErrorCode::io, "standard output", std::string("cannot be written: ") + std::strerror(errno));
+  }
+
+ private:
+  const Shot& shot_;
+  Visibility visibility_;
+  Tracer tracer_;
+  std::vector<std::string> names_;  // as JSON
+  fmt::memory_buffer text_;
+};
+
+void answer_all(RayReader& reader, Answerer& answerer) {
+  std::vector<Ray> rays;
+  Ray ray;
+  try {
+    while (reader.next(ray)) {
+      rays.push_back(ray);
+      if (rays.size() < kRaysPerBatch && reader.more_at_hand()) continue;
+      answerer.answer(rays);
+      rays.clear();
+    }
+  } catch (const Error& e) {
+    // What came before a bad line has its answers.
+    if (e.code() == ErrorCode::bad_input && !rays.empty()) answerer.answer(rays);
+    throw;
+  }
+  if (!rays.empty()) answerer.answer(rays);
+}
+
+void run_query(QueryArguments arguments) {
+  std::ifstream file;
+  const bool standard_input = arguments.rays == "-";
+  if (!standard_input) {
+    file.open(arguments.rays, std::ios::binary);
+    if (!file) throw Error(ErrorCode::io, arguments.rays, "cannot be opened for reading; check the name");
+  }
+  const ThreadLimit limit(arguments.scene.threads);
+  const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
+  arguments.scene.shot.space = ShotOptions::Space::world;
+  const Shot shot = make_shot(*scene, arguments.scene.shot);
+  Answerer answerer(shot, arguments);
+  std::ios::sync_with_stdio(false);  // else standard input does not say how much of it is at hand
+  RayReader reader(standard_input ? std::cin : file, standard_input ? "standard input" : arguments.rays);
+  answer_all(reader, answerer);
+}
+
+}  // namespace
+
+void add_query_command(CLI::App& app, Action& chosen) {
+  CLI::App& command = *app.add_subcommand("query", "Say what rays see, and from when to when");
+  const auto arguments = std::make_shared<QueryArguments>();
+  add_scene_arguments(command, arguments->scene);
+  command
+      .add_option("--rays", arguments->rays,
+                  "One ray a line: ox oy oz dx dy dz, in world space; - reads standard input")
+      ->type_name("FILE|-")
+      ->required();
+  command.add_flag("--all", arguments->all, "Every triangle met, hidden or not");
+  add_instruction_set(command, arguments->instruction_set);
+  command.callback([arguments, &chosen] {
+    arguments->scene.shot.strict = arguments->scene.load.strict;
+    chosen = [arguments] { run_query(*arguments); };
+  });
+}
+
+}  // namespace kairos::cli

@@ -1,0 +1,36 @@
+#include "report.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+namespace kairos::cli {
+
+uint64_t triangle_count(const std::vector<Mesh>& meshes) {
+  uint64_t count = 0;
+  for (const Mesh& mesh : meshes) count += mesh.triangles.size();
+  return count;
+}
+
+uint64_t mesh_bytes(const Mesh& mesh) {
+  uint64_t bytes = mesh.triangles.size() * sizeof(Triangle) + mesh.key_times.size() * sizeof(float) +
+                   mesh.uvs.size() * sizeof(Vec2f) + mesh.prim_ids.size() * sizeof(uint32_t);
+  for (const auto& key : mesh.positions) bytes += key.size() * sizeof(Vec3f);
+  for (const auto& key : mesh.normals) bytes += key.size() * sizeof(Vec3f);
+  return bytes;
+}
+
+uint64_t mesh_bytes(const std::vector<Mesh>& meshes) {
+  uint64_t bytes = 0;
+  for (const Mesh& mesh : meshes) bytes += mesh_bytes(mesh);
+  return bytes;
+}
+
+uint64_t peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB
+}
+
+std::string megabytes(uint64_t bytes) { return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6); }
+
+}  // namespace kairos::cli
