@@ -16,7 +16,7 @@ ASPECT = 16 / 9
 
 
 def add_cameras(file):
-    eye, target = (0.55, 1.75, 9.3), (0.1, 2.5, 0.0)
+    eye, target = (0.35, 1.75, 9.3), (0.35, 2.5, 0.0)
     file.camera("square", 38, ASPECT, translation=eye, rotation=look_at(eye, target))
     times = [moving.DURATION * i / 12 for i in range(13)]
     eyes = [(-3.0 + 5.5 * time / moving.DURATION, 1.2 + 0.9 * time, 9.5 - 0.8 * time) for time in times]

@@ -15,5 +15,6 @@ using Action = std::function<void()>;
 void add_render_command(CLI::App& app, Action& chosen, const std::string& command_line);
 void add_query_command(CLI::App& app, Action& chosen);
 void add_info_command(CLI::App& app, Action& chosen);
+void add_compare_command(CLI::App& app, Action& chosen);
 
 }  // namespace kairos::cli

@@ -1,5 +1,5 @@
-// The command line: kairos render|query|info. Exit status 0 on success, 1 on bad input or a failed render, 2 on bad
-// usage.
+// The command line: kairos render|query|info|compare. Exit status 0 on success, 1 on bad input or a failed render, 2 on
+// bad usage.
 #include <algorithm>
 #include <cstdio>
 #include <new>
@@ -47,6 +47,7 @@ int run(int argc, char** argv) {
   kairos::cli::add_render_command(app, chosen, command_line);
   kairos::cli::add_query_command(app, chosen);
   kairos::cli::add_info_command(app, chosen);
+  kairos::cli::add_compare_command(app, chosen);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -93,8 +93,8 @@ struct Shot {
   std::vector<std::string> notes;  ///< one line each, for the log: keys chosen, triangles dropped, features left out
 };
 
-/// Throws Error(bad_usage) for a camera that does not exist or times that make no sense, Error(bad_input) for a camera or
-/// a mesh that cannot be used.
+/// Throws Error(bad_usage) for a camera that does not exist or times that make no sense, Error(bad_input) for a camera
+/// or a mesh that cannot be used.
 Shot make_shot(const Scene& scene, const ShotOptions& options = {});
 
 }  // namespace kairos

@@ -25,3 +25,5 @@ run(COMMAND ${CMAKE_COMMAND} -S ${SOURCE_DIR}/tests/install -B ${work}/consumer 
 run(COMMAND ${CMAKE_COMMAND} --build ${work}/consumer)
 # At height 0 the triangle is one wide and moves eight: an eighth of the time, around the middle.
 run(COMMAND ${work}/consumer/consumer OUTPUT "^triangle 0 from 0.4375 to 0.5625 at distance 2.00\n$")
+# The program finds its library where it was moved to.
+run(COMMAND ${work}/moved/bin/kairos --version OUTPUT "kairos ${VERSION}")

@@ -8,9 +8,8 @@ SKY = (0.20, 0.26, 0.32)
 GROUND = (0.22, 0.14, 0.08)
 
 
-def quantise(kind, rgb):
-    """To 28 levels per channel, evenly spaced to the eye, so that many faces share one material."""
-    levels = 28
+def quantise(kind, rgb, levels=28):
+    """To so many levels per channel, evenly spaced to the eye, so that many faces share one material."""
     return (kind,) + tuple(round((round(min(max(x, 0), 1) ** 0.5 * levels) / levels) ** 2, 5) for x in rgb)
 
 
@@ -18,7 +17,7 @@ def lit(albedo, normal, shadow=0.0):
     """Colour of a face; `shadow` from 0 (the sun reaches it) to 1."""
     ambient = mix(GROUND, SKY, 0.5 + 0.5 * normal[1])
     sun = mul(SUN, max(0, dot(normal, TO_SUN)) * (1 - shadow))
-    return quantise("base", tuple(c * (a + s) for c, a, s in zip(albedo, ambient, sun)))
+    return quantise("base", tuple(c * (a + s) for c, a, s in zip(albedo, ambient, sun)), levels=22)
 
 
 def glowing(rgb):

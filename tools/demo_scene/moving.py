@@ -112,7 +112,7 @@ def add_windmill(file, square, add_pole):
 
 def add_pinwheels(file, square, add_pole):
     tones = [(CREAM, VERMILION), (TEAL, GOLD), (GOLD, CREAM), (VERMILION, TEAL), (CREAM, TEAL)]
-    places = [(-3.05, 1.15, 3.1), (-2.35, 1.5, 2.3), (-1.85, 0.95, 3.6), (2.35, 0.92, 3.9), (1.75, 1.25, 3.2)]
+    places = [(-2.8, 1.15, 3.1), (-2.15, 1.5, 2.3), (-1.7, 0.95, 3.6), (2.35, 0.92, 3.9), (1.75, 1.25, 3.2)]
     speeds = [1250.0, -900.0, 1600.0, -1400.0, 1050.0]
     for (x, height, z), (light, other), speed in zip(places, tones, speeds):
         mesh, radius, steps = Mesh("pinwheel"), 0.36, 7
@@ -182,11 +182,11 @@ def make_bird(albedo):
         elbow_front, elbow_back = (0.17, 0.05, 0.22 * side), (0.02, 0.04, 0.20 * side)
         tip = (-0.10, 0.02, 0.52 * side)
         half = mul(raised, 0.3)
-        add_face([shoulder_front, elbow_front, elbow_back], [still, half, half], 1.0 if side > 0 else 0.7)
-        add_face([shoulder_front, elbow_back, shoulder_back], [still, half, still], 0.92 if side > 0 else 0.62)
-        add_face([elbow_front, tip, elbow_back], [half, raised, half], 0.85 if side > 0 else 0.75)
-        add_face([(0.30, 0.0, 0.0), (0.0, 0.035, 0.03 * side), (-0.12, 0.0, 0.0)], [still] * 3, 0.8)
-        add_face([(-0.10, 0.0, 0.0), (-0.34, 0.01, 0.11 * side), (-0.2, 0.0, 0.0)], [still] * 3, 0.9)
+        add_face([shoulder_front, elbow_front, elbow_back], [still, half, half], 1.0 if side > 0 else 0.72)
+        add_face([shoulder_front, elbow_back, shoulder_back], [still, half, still], 1.0 if side > 0 else 0.72)
+        add_face([elbow_front, tip, elbow_back], [half, raised, half], 1.0 if side > 0 else 0.72)
+        add_face([(0.30, 0.0, 0.0), (0.0, 0.035, 0.03 * side), (-0.12, 0.0, 0.0)], [still] * 3, 0.72)
+        add_face([(-0.10, 0.0, 0.0), (-0.34, 0.01, 0.11 * side), (-0.2, 0.0, 0.0)], [still] * 3, 1.0)
     return mesh
 
 

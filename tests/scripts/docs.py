@@ -1,0 +1,139 @@
+"""What README.md and docs/ say, tried out.
+
+Usage: docs.py commands|programs|options|references PROJECT_ROOT BUILD_DIR COMPILER
+
+commands    every line of a ```sh block runs, in an empty folder that holds the demo scene and the program where the page
+            says they are
+programs    every ```cpp block compiles, runs, and prints the ```text block that follows
+options     docs/command-line.md describes every subcommand and option that --help shows, and no other
+references  links between pages lead somewhere, and so do the sections of docs/method.md that source files name
+"""
+
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+what, root, build, compiler = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3]), sys.argv[4]
+pages = [root / "README.md", root / "CONTRIBUTING.md", root / "CHANGELOG.md", *sorted((root / "docs").glob("*.md"))]
+failures = []
+
+
+def check(condition, message):
+    if not condition:
+        failures.append(message)
+
+
+def blocks(page, language):
+    """(text, position of its end) of each fenced block of a language."""
+    text = page.read_text()
+    for match in re.finditer(rf"^```{language}\n(.*?)^```$", text, re.DOTALL | re.MULTILINE):
+        yield match[1], match.end()
+
+
+def workshop():
+    """A folder as a user has it who has run ./demo."""
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="kairos_docs_"))
+    (folder / "build/release").mkdir(parents=True)
+    (folder / "build/release/bin").symlink_to(build / "bin")
+    (folder / "scenes").symlink_to(root / "scenes")
+    (folder / "out").mkdir()
+    shutil.copy(build / "demo.glb", folder / "out/demo.glb")
+    shutil.copy(build / "demo.glb", folder / "demo.glb")
+    return folder
+
+
+def run(command, folder, **options):
+    return subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=300,
+                          **options)
+
+
+def check_commands():
+    count = 0
+    for page in pages:
+        folder = workshop()
+        for script, _ in blocks(page, "sh"):
+            done = run(["bash", "-euo", "pipefail", "-c", script], folder)
+            check(done.returncode == 0, f"{page.name}: status {done.returncode} from\n{script}\n{done.stdout}")
+            for written in re.findall(r"(?:-o|--side-by-side|--stats-file) (\S+)", script):
+                check((folder / written).is_file(), f"{page.name}: nobody wrote {written}")
+            count += 1
+        shutil.rmtree(folder)
+    check(count >= 5, f"only {count} blocks of commands")
+
+
+def check_programs():
+    count = 0
+    for page in pages:
+        text = page.read_text()
+        for program, end in blocks(page, "cpp"):
+            expected = re.search(r"```text\n(.*?)```", text[end:], re.DOTALL)
+            if not expected:
+                check(False, f"{page.name}: a program without the output it prints")
+                continue
+            folder = workshop()
+            (folder / "program.cpp").write_text(program)
+            done = run([compiler, "-std=c++20", "-Wall", "-Wextra", "-Werror", "program.cpp", "-o", "program",
+                        f"-I{root}/include", f"-L{build}/lib", "-lkairos", f"-Wl,-rpath,{build}/lib"], folder)
+            if done.returncode == 0:
+                done = run(["./program"], folder)
+            check(done.returncode == 0, f"{page.name}: status {done.returncode} from\n{program}\n{done.stdout}")
+            check(done.stdout == expected[1], f"{page.name}: expected\n{expected[1]}got\n{done.stdout}")
+            shutil.rmtree(folder)
+            count += 1
+    check(count >= 2, f"only {count} programs")
+
+
+def check_options():
+    kairos = build / "bin/kairos"
+    page = (root / "docs/command-line.md").read_text()
+    overview = run([kairos, "--help"], root).stdout
+    commands = re.findall(r"^  ([a-z][a-z-]*)\b", overview.split("ubcommands:")[-1], re.MULTILINE)
+    check(len(commands) >= 4, f"--help shows the subcommands {commands}")
+    sections = dict(re.findall(r"^## kairos ([a-z-]+)\n(.*?)(?=^## |\Z)", page, re.DOTALL | re.MULTILINE))
+    check(sorted(sections) == sorted(commands), f"sections {sorted(sections)} of the page, subcommands {sorted(commands)}")
+    shared = re.search(r"^## Choosing the shot\n(.*?)(?=^## |\Z)", page, re.DOTALL | re.MULTILINE)[1]
+    for command in commands:
+        shown = set(re.findall(r"(--[a-z][a-z-]*)", run([kairos, command, "--help"], root).stdout)) - {"--help"}
+        described = set(re.findall(r"^\| `(?:-\w, )?(--[a-z-]+)", sections.get(command, ""), re.MULTILINE))
+        if "Choosing the shot" in sections.get(command, ""):
+            described |= set(re.findall(r"^\| `(--[a-z-]+)", shared, re.MULTILINE))
+        check(len(shown) > 2, f"kairos {command} --help shows {shown}")
+        check(not shown - described, f"kairos {command}: not described: {sorted(shown - described)}")
+        check(not described - shown, f"kairos {command}: described, but not in --help: {sorted(described - shown)}")
+
+
+def anchors(page):
+    headings = re.findall(r"^#+ (.*)$", page.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def check_references():
+    for page in pages:
+        for target in re.findall(r"\]\(([^)\s]+)\)", page.read_text()):
+            if "://" in target:
+                continue
+            path, _, anchor = target.partition("#")
+            file = page.parent / path if path else page
+            check(file.exists(), f"{page.name}: {target} leads nowhere")
+            if anchor and file.exists():
+                check(anchor in anchors(file), f"{page.name}: {target} names no heading")
+    headings = set(re.findall(r"^#+ (.*)$", (root / "docs/method.md").read_text(), re.MULTILINE))
+    count = 0
+    for source in [path for folder in ("include", "src", "apps", "cmake", "bench") for path in (root / folder).rglob("*.*")]:
+        text = re.sub(r"\s*\n\s*(//|#)\s*", " ", source.read_text())  # comments run over lines
+        for section in re.findall(r'docs/method\.md, "([^"]+)"', text):
+            check(section in headings, f"{source.relative_to(root)}: docs/method.md has no section \"{section}\"")
+            count += 1
+    check(count >= 3, f"only {count} references to the method")
+    for path in re.findall(r"`((?:src|include|tools|docs|fuzz|tests)/[\w./-]+)`", "\n".join(p.read_text() for p in pages)):
+        placeholder = "NAME" in path or "FORMAT" in path
+        check(placeholder or (root / path).exists(), f"{path} is named but not there")
+
+
+checks = {"commands": check_commands, "programs": check_programs, "options": check_options, "references": check_references}
+checks[what]()
+if failures:
+    sys.exit("\n\n".join(failures))
