@@ -1,0 +1,179 @@
+// kairos render: what it writes, and what it does not.
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <thread>
+
+#include <fcntl.h>
+#include <nlohmann/json.hpp>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+#include <kairos/version.h>
+
+#include "cli.h"
+#include "output/exr.h"
+
+namespace kairos {
+namespace {
+
+class CliRender : public CliTest {
+ protected:
+  Image render(const std::string& options) const {
+    const CliResult result = run("render scene.json -o out.exr --quiet " + options);
+    EXPECT_EQ(result.status, 0) << options << "\n" << result.err;
+    EXPECT_EQ(result.err, "") << "--quiet";
+    EXPECT_EQ(result.out, "");
+    return read_exr(path("out.exr"));
+  }
+};
+
+template <class Value>
+Value attribute(const Image& image, const std::string& name) {
+  for (const Attribute& a : image.attributes)
+    if (a.name == name) return std::get<Value>(a.value);
+  throw std::runtime_error("no attribute " + name);
+}
+
+bool same_pixels(const Image& a, const Image& b) {
+  for (const Channel& channel : a.channels)
+    if (b.find(channel.name) == nullptr || b.find(channel.name)->values != channel.values) return false;
+  return a.channels.size() == b.channels.size();
+}
+
+TEST_F(CliRender, TheHeaderSaysHowThePictureWasMade) {
+  const Image tc = render(
+      "--tc-rays 3 --shading-samples 2 --seed 12 --shading flat --filter gaussian --shutter 0,0.5 --frame 0 --fps 1");
+  EXPECT_EQ(attribute<std::string>(tc, "kairos:version"), version());
+  EXPECT_EQ(attribute<std::string>(tc, "kairos:integrator"), "tc");
+  EXPECT_EQ(attribute<int>(tc, "kairos:samples"), 3);
+  EXPECT_EQ(attribute<int>(tc, "kairos:shading_samples"), 2);
+  EXPECT_EQ(attribute<std::string>(tc, "kairos:seed"), "12");
+  EXPECT_EQ(attribute<std::string>(tc, "kairos:filter"), "gaussian");
+  EXPECT_EQ((attribute<std::array<double, 2>>(tc, "kairos:shutter")), (std::array<double, 2>{0, 0.5}));
+  EXPECT_GT(attribute<double>(tc, "kairos:render_seconds"), 0);
+  const auto command_line = attribute<std::string>(tc, "kairos:command_line");
+  EXPECT_EQ(command_line.rfind("kairos render scene.json -o out.exr --quiet --tc-rays 3", 0), 0u) << command_line;
+  const Image qmc = render("--integrator qmc --spp 5 --sampler random --aov mesh");
+  EXPECT_EQ(attribute<std::string>(qmc, "kairos:integrator"), "qmc");
+  EXPECT_EQ(attribute<int>(qmc, "kairos:samples"), 5);
+  EXPECT_EQ(attribute<std::string>(qmc, "kairos:sampler"), "random");
+  EXPECT_EQ(attribute<std::vector<std::string>>(qmc, "kairos:mesh_names"),
+            (std::vector<std::string>{"bar", "square \"x\""}));
+}
+
+TEST_F(CliRender, AovsAreLayers) {
+  const Image image = render("--aov depth,normal,albedo,coverage,segments,mesh --half");
+  for (const char* name : {"R", "G", "B", "depth.Z", "normal.X", "normal.Y", "normal.Z", "albedo.R", "albedo.G",
+                           "albedo.B", "coverage.A", "segments.Y", "mesh.id"})
+    EXPECT_NE(image.find(name), nullptr) << name;
+  EXPECT_EQ(image.channels.size(), 13u);
+  const size_t center = 10 * 32 + 16;
+  EXPECT_EQ(image.find("mesh.id")->storage, Channel::Storage::integer);
+  EXPECT_EQ(image.find("depth.Z")->storage, Channel::Storage::exact);
+  EXPECT_EQ(image.find("R")->storage, Channel::Storage::colour);
+  EXPECT_NEAR(image.find("depth.Z")->values[center], 2, 1e-5) << "the bar passes there";
+  EXPECT_EQ(image.find("mesh.id")->values[center], 2) << "but the square is seen most";
+  EXPECT_EQ(image.find("coverage.A")->values[center], 1);
+}
+
+TEST_F(CliRender, BitIdenticalForThreadsAndCrops) {
+  for (const std::string integrator : {"tc --tc-rays 5", "qmc --spp 9"}) {
+    const std::string options = "--aov depth,normal,mesh --filter gaussian --integrator " + integrator;
+    const Image full = render(options + " --threads 1");
+    EXPECT_TRUE(same_pixels(full, render(options + " --threads 2"))) << integrator;
+    const Image crop = render(options + " --crop 5,21,3,17");
+    EXPECT_EQ(crop.left, 5);
+    EXPECT_EQ(crop.top, 3);
+    EXPECT_EQ(crop.frame_width, 32);
+    ASSERT_EQ(crop.width, 16);
+    ASSERT_EQ(crop.height, 14);
+    for (const Channel& channel : crop.channels)
+      for (int y = 0; y < crop.height; ++y)
+        EXPECT_EQ(std::memcmp(&channel.values[static_cast<size_t>(y * crop.width)],
+                              &full.find(channel.name)->values[static_cast<size_t>((y + 3) * 32 + 5)],
+                              sizeof(float) * static_cast<size_t>(crop.width)),
+                  0)
+            << channel.name << " row " << y;
+  }
+}
+
+TEST_F(CliRender, StatsFileHoldsWhatTheContractSays) {
+  for (const std::string integrator : {"tc", "qmc"}) {
+    const CliResult result = run(
+        "render scene.json -o a.png --threads 2 --tc-rays 4 --spp 4 --stats-file s.json --integrator " + integrator);
+    ASSERT_EQ(result.status, 0) << result.err;
+    const auto stats = nlohmann::json::parse(read(path("s.json")));
+    for (const char* name : {"load_seconds", "build_seconds", "render_seconds"}) {
+      EXPECT_GE(stats.at(name).get<double>(), 0) << name;
+      EXPECT_LT(stats.at(name).get<double>(), 60) << name;
+    }
+    EXPECT_GT(stats.at("peak_memory_bytes").get<uint64_t>(), 1u << 20);
+    EXPECT_EQ(stats.at("triangles"), 4);
+    EXPECT_EQ(stats.at("rays"), 32 * 20 * 4);
+    EXPECT_EQ(stats.at("threads"), 2);
+    EXPECT_TRUE(stats.at("instruction_set").is_string());
+    const auto& counters = stats.at("counters");
+    EXPECT_GT(counters.at("segments_per_ray").get<double>(), 0);
+    for (const char* name : {"nodes", "triangles_tested", "root_solves"})
+      EXPECT_EQ(counters.at(name).is_number(), integrator == "tc") << name << ": Embree does not count";
+    EXPECT_FALSE(result.err.empty()) << "a log, without --quiet";
+  }
+}
+
+TEST_F(CliRender, InstructionSetsCanBeForced) {
+  const CliResult result = run("render scene.json -o a.png --instruction-set scalar --stats-file s.json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(read(path("s.json"))).at("instruction_set"), "scalar");
+  EXPECT_NE(result.err.find("scalar"), std::string::npos) << "the log names it";
+}
+
+TEST_F(CliRender, ProgressWithoutATerminalIsPlainLines) {
+  const CliResult result = run("render scene.json -o a.png --tc-rays 2000");
+  ASSERT_EQ(result.status, 0);
+  EXPECT_NE(result.err.find("\n100 %"), std::string::npos) << result.err;
+  EXPECT_EQ(result.err.find('\r'), std::string::npos);
+  EXPECT_EQ(result.err.find('\x1b'), std::string::npos);
+}
+
+struct Interruption {
+  const char* scene;
+  int signal, milliseconds;  // when it comes
+};
+void PrintTo(const Interruption& i, std::ostream* out) { *out << i.scene << "_" << i.signal << "_" << i.milliseconds; }
+
+class Interrupted : public CliRender, public testing::WithParamInterface<Interruption> {};
+
+// Starts a render of hours, waits a bit, sends a signal.
+TEST_P(Interrupted, EndsWithinASecondAndLeavesNothing) {
+  ASSERT_EQ(mkfifo(path("endless.obj").c_str(), 0600), 0);  // reading it waits for a writer: interrupted while loading
+  write("log.txt", "");
+  const size_t before = files();
+  const pid_t child = fork();
+  if (child == 0) {
+    if (chdir(folder_.c_str()) != 0) _exit(99);
+    dup2(open("log.txt", O_WRONLY), STDERR_FILENO);
+    execl(KAIROS_CLI, "kairos", "render", GetParam().scene, "-o", "a.exr", "--tc-rays", "1000000", "--stats-file",
+          "s.json", "--quiet", nullptr);
+    _exit(98);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(GetParam().milliseconds));
+  const auto start = std::chrono::steady_clock::now();
+  kill(child, GetParam().signal);
+  int status = 0;
+  waitpid(child, &status, 0);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  EXPECT_LT(took.count(), 1);
+  ASSERT_TRUE(WIFEXITED(status)) << "killed by signal " << WTERMSIG(status);
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_EQ(read(path("log.txt")), "kairos: interrupted; nothing was written\n");
+  EXPECT_EQ(files(), before);
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, Interrupted,
+                         testing::Values(Interruption{"scene.json", SIGINT, 400},
+                                         Interruption{"scene.json", SIGTERM, 400},
+                                         Interruption{"endless.obj", SIGINT, 300}));
+
+}  // namespace
+}  // namespace kairos

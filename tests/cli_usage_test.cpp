@@ -1,0 +1,175 @@
+// The command line's contract: exit status, errors of one line, every option.
+#include <map>
+#include <regex>
+#include <set>
+
+#include "cli.h"
+
+namespace kairos {
+namespace {
+
+using CliUsage = CliTest;
+
+TEST_F(CliUsage, BadUsageIsStatusTwoAndOneLine) {
+  const std::string render = "render scene.json -o a.exr ";
+  for (const std::string& arguments : {std::string(),
+                                       std::string("paint"),
+                                       std::string("render"),
+                                       std::string("render scene.json"),
+                                       std::string("render -o a.exr"),
+                                       std::string("query scene.json"),
+                                       std::string("query --rays -"),
+                                       std::string("info"),
+                                       std::string("render scene.json -o a.jpg"),
+                                       std::string("render scene.json -o a"),
+                                       std::string("render missing.json -o a.tiff"),
+                                       render + "--unknown",
+                                       render + "--spp",
+                                       render + "--spp 0",
+                                       render + "--spp 010x",
+                                       render + "--spp 0x10",
+                                       render + "--spp -3",
+                                       render + "--spp 1e3",
+                                       render + "--spp 1.5",
+                                       render + "--spp nan",
+                                       render + "--spp 99999999",
+                                       render + "--spp 99999999999999999999",
+                                       render + "--spp ''",
+                                       render + "--spp 4 --spp 5",
+                                       render + "--tc-rays 0",
+                                       render + "--shading-samples 0",
+                                       render + "--seed -1",
+                                       render + "--seed 18446744073709551616",
+                                       render + "--threads -1",
+                                       render + "--integrator mixed",
+                                       render + "--sampler sobol",
+                                       render + "--shading whitted",
+                                       render + "--filter triangle",
+                                       render + "--instruction-set avx",
+                                       render + "--size 10",
+                                       render + "--size 0x10",
+                                       render + "--size 10x",
+                                       render + "--size 10x20x30",
+                                       render + "--size 70000x10",
+                                       render + "--size -1x10",
+                                       render + "--crop 0,1,0",
+                                       render + "--crop 3,3,0,1",
+                                       render + "--crop 0,33,0,20",
+                                       render + "--crop -1,3,0,1",
+                                       render + "--shutter 0",
+                                       render + "--shutter nan,1",
+                                       render + "--shutter 1,0",
+                                       render + "--shutter 0,inf",
+                                       render + "--shutter 0;1x",
+                                       render + "--frame x",
+                                       render + "--frame nan",
+                                       render + "--fps 0",
+                                       render + "--fps -24",
+                                       render + "--motion-tolerance 0",
+                                       render + "--motion-tolerance nan",
+                                       render + "--aov depth,color",
+                                       render + "--aov depth,depth",
+                                       render + "--aov ''",
+                                       render + "--camera nobody"}) {
+    const std::string shown = std::regex_replace(arguments, std::regex(";"), "\\;");
+    const CliResult result = run(shown);
+    EXPECT_EQ(result.status, 2) << arguments << "\n" << result.err;
+    // What is only known once the scene is loaded comes after the log.
+    const CliResult quiet = arguments.rfind(render, 0) == 0 ? run(shown + " --quiet") : result;
+    EXPECT_TRUE(quiet.one_line_error()) << arguments << "\n" << quiet.err;
+  }
+  EXPECT_EQ(files(), 4u) << "nothing was written";
+}
+
+TEST_F(CliUsage, DecimalsAreDecimal) {
+  const CliResult result = run("render scene.json -o a.exr --integrator qmc --spp 010 --stats-file s.json");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(read(path("s.json")).find("\"samples\": 10,"), std::string::npos) << read(path("s.json"));
+}
+
+TEST_F(CliUsage, HelpAndVersionSucceed) {
+  for (const char* arguments : {"--help", "--version", "render --help", "query --help", "info --help"}) {
+    const CliResult result = run(arguments);
+    EXPECT_EQ(result.status, 0) << arguments;
+    EXPECT_FALSE(result.out.empty()) << arguments;
+    EXPECT_TRUE(result.err.empty()) << result.err;
+  }
+}
+
+// A new option without an example here makes this fail.
+TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
+  const std::map<std::string, std::string> examples = {{"--help", ""},
+                                                       {"--output", "b.png"},
+                                                       {"--half", ""},
+                                                       {"--aov", "depth,normal,albedo,coverage,segments,mesh"},
+                                                       {"--crop", "1,9,2,8"},
+                                                       {"--filter", "blackman-harris"},
+                                                       {"--integrator", "qmc"},
+                                                       {"--tc-rays", "3"},
+                                                       {"--shading-samples", "2"},
+                                                       {"--spp", "5"},
+                                                       {"--sampler", "multi-jitter"},
+                                                       {"--shading", "flat"},
+                                                       {"--seed", "7"},
+                                                       {"--instruction-set", "scalar"},
+                                                       {"--stats-file", "stats.json"},
+                                                       {"--quiet", ""},
+                                                       {"--animation", "0"},
+                                                       {"--gltf-scene", "0"},
+                                                       {"--strict", ""},
+                                                       {"--camera", "0"},
+                                                       {"--frame", "0"},
+                                                       {"--fps", "24"},
+                                                       {"--shutter", "-0.25,0.25"},
+                                                       {"--size", "8x6"},
+                                                       {"--motion-tolerance", "0.5"},
+                                                       {"--threads", "1"},
+                                                       {"--rays", "rays.txt"},
+                                                       {"--all", ""},
+                                                       {"--json", ""}};
+  write("rays.txt", "0 0 0 0 0 -1\n");
+  const std::map<std::string, std::string> commands = {
+      {"render", "scene.json -o a.exr --size 12x9 "}, {"query", "scene.json --rays - "}, {"info", "scene.json "}};
+  for (const auto& [command, rest] : commands) {
+    const std::string help = run(command + " --help").out;
+    const std::regex option("--[a-z][a-z-]*");
+    std::set<std::string> names;
+    for (auto it = std::sregex_iterator(help.begin(), help.end(), option); it != std::sregex_iterator(); ++it)
+      names.insert(it->str());
+    EXPECT_GT(names.size(), 5u);
+    for (const std::string& name : names) {
+      ASSERT_TRUE(examples.contains(name)) << name;
+      std::string arguments = rest;
+      if (name == "--output") arguments = "scene.json --size 12x9 ";
+      if (name == "--rays") arguments = "scene.json ";
+      if (name == "--size")
+        arguments = "scene.json " + std::string(command == "render"  ? "-o a.exr "
+                                                : command == "query" ? "--rays - "
+                                                                     : "");
+      const CliResult result = run(command + " " + arguments + name + " " + examples.at(name) + " < rays.txt");
+      EXPECT_EQ(result.status, 0) << command << " " << name << "\n" << result.err;
+    }
+  }
+  EXPECT_TRUE(exists("b.png"));
+  EXPECT_TRUE(exists("stats.json"));
+}
+
+TEST_F(CliUsage, BadInputIsStatusOneAndOneLine) {
+  write("broken.json", "{\"kairos\": 1, \"meshes\": [}");
+  write("broken.obj", "v 1 2 3\nf 1 2 nine\n");
+  std::filesystem::create_directory(folder_ / "folder");
+  std::filesystem::create_directory(folder_ / "folder.exr");
+  for (const char* arguments :
+       {"render missing.json -o a.exr", "render broken.json -o a.exr", "render broken.obj -o a.exr",
+        "render folder -o a.exr", "render scene.json -o nowhere/a.exr", "render scene.json -o folder.exr",
+        "render scene.json -o a.exr --stats-file nowhere/s.json", "render scene.json -o a.exr --stats-file /dev/null",
+        "info missing.obj", "query scene.json --rays missing.txt", "render 'a\nb.json' -o a.exr"}) {
+    const CliResult result = run(arguments);
+    EXPECT_EQ(result.status, 1) << arguments << "\n" << result.err;
+    EXPECT_TRUE(result.one_line_error()) << arguments << "\n" << result.err;
+  }
+  EXPECT_FALSE(exists("a.exr"));
+}
+
+}  // namespace
+}  // namespace kairos
