@@ -11,5 +11,4 @@ find_package(draco REQUIRED)
 find_package(hwy REQUIRED)
 
 find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
-find_library(TINYGLTF_LIBRARY tinygltf REQUIRED)
 find_path(STB_INCLUDE_DIR stb/stb_image_write.h REQUIRED)

@@ -13,6 +13,7 @@
 #include <kairos/error.h>
 
 #include "base/file.h"
+#include "scene_io/gltf.h"
 #include "scene_io/keyframes.h"
 #include "scene_io/native.h"
 #include "scene_io/obj.h"
@@ -131,7 +132,7 @@ Scene load_file(const std::string& path, LoadContext& context) {
     case FileFormat::gltf:
       break;
   }
-  throw Error(ErrorCode::bad_input, path, "glTF files are not read by this build");
+  return load_gltf(path, context.options);
 }
 
 std::shared_ptr<const Scene> load_scene(const std::vector<std::string>& paths, const LoadOptions& options) {

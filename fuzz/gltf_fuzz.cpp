@@ -1,0 +1,70 @@
+// Any bytes at all as a glTF or GLB file, or as the Draco data in one: a scene or an Error, nothing else.
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <kairos/error.h>
+
+#include "scene_io/gltf.h"
+
+namespace {
+
+/// A GLB whose one mesh is these bytes of Draco: what random changes to a whole file hardly ever get to.
+std::vector<uint8_t> around_draco(std::span<const uint8_t> draco) {
+  const std::string size = std::to_string(draco.size());
+  std::string json = R"({"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{
+    "attributes": {"POSITION": 0}, "indices": 1, "extensions": {"KHR_draco_mesh_compression":
+    {"bufferView": 0, "attributes": {"POSITION": 0}}}}]}],
+    "accessors": [{"componentType": 5126, "count": 4, "type": "VEC3"},
+                  {"componentType": 5121, "count": 6, "type": "SCALAR"}],
+    "bufferViews": [{"buffer": 0, "byteLength": )" +
+                     size + R"(}], "buffers": [{"byteLength": )" + size + "}]}";
+  std::vector<uint8_t> glb = {'g', 'l', 'T', 'F', 2, 0, 0, 0};
+  const auto word = [&](size_t value) {
+    for (int shift = 0; shift < 32; shift += 8) glb.push_back(static_cast<uint8_t>(value >> shift));
+  };
+  word(28 + json.size() + draco.size());
+  word(json.size());
+  word(0x4E4F534A);
+  glb.insert(glb.end(), json.begin(), json.end());
+  word(draco.size());
+  word(0x004E4942);
+  glb.insert(glb.end(), draco.begin(), draco.end());
+  return glb;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  constexpr size_t kMaxInput = 1 << 16, kMaxVertices = 1 << 16;
+  if (size > kMaxInput) return 0;
+  std::vector<uint8_t> wrapped;
+  std::span<const uint8_t> file(data, size);
+  if (size >= 5 && std::memcmp(data, "DRACO", 5) == 0) file = wrapped = around_draco(file);
+  try {
+    const kairos::Scene scene = kairos::parse_gltf(file, "fuzz", "");
+    size_t vertices = 0;  // evaluated so far: instances of one mesh would only repeat it
+    for (const kairos::SceneMesh& mesh : scene.meshes) {
+      const kairos::VertexMotion& motion = *mesh.motion;
+      if ((vertices += motion.vertex_count()) > kMaxVertices) break;
+      for (const kairos::Triangle& triangle : mesh.triangles)
+        for (uint32_t v : triangle)
+          if (v >= motion.vertex_count()) __builtin_trap();
+      motion.kinks(0, 1);
+      motion.is_static(0, 1);
+      motion.is_linear_between_kinks();
+      std::vector<kairos::Vec3d> positions(motion.vertex_count());
+      std::vector<kairos::Vec3f> normals(motion.vertex_count());
+      for (const double time : {0.0, 0.6}) {
+        motion.positions(time, kairos::Side::before, positions);
+        if (motion.has_normals()) motion.normals(time, kairos::Side::after, normals);
+      }
+    }
+    for (const kairos::SceneCamera& camera : scene.cameras) camera.motion->at(0.5, kairos::Side::after);
+  } catch (const kairos::Error&) {
+  }
+  return 0;
+}

@@ -1,0 +1,118 @@
+// Materials, cameras and lights of glTF.
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <kairos/error.h>
+
+#include "gltf_builder.h"
+
+namespace kairos {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(GltfSurface, MaterialsKeepTheirFactors) {
+  GltfBuilder gltf;
+  gltf.triangle_node();
+  gltf.root["materials"] = {
+      {{"name", "glass"},
+       {"pbrMetallicRoughness",
+        {{"baseColorFactor", {0.25, 0.5, 0.75, 0.5}}, {"metallicFactor", 0}, {"roughnessFactor", 0.25}}},
+       {"emissiveFactor", {1, 0.5, 0}},
+       {"alphaMode", "MASK"},
+       {"alphaCutoff", 0.75},
+       {"doubleSided", true},
+       {"extensions",
+        {{"KHR_materials_emissive_strength", {{"emissiveStrength", 8}}},
+         {"KHR_materials_ior", {{"ior", 1.25}}},
+         {"KHR_materials_transmission", {{"transmissionFactor", 1}}}}}}};
+  gltf.root["meshes"][0]["primitives"][0]["material"] = 0;
+  const Scene scene = gltf.parse();
+  const Material& m = scene.materials.at(scene.meshes[0].material);
+  EXPECT_EQ(m.name, "glass");
+  EXPECT_EQ(m.base_color, (Vec3f{0.25, 0.5, 0.75}));
+  EXPECT_EQ(m.alpha, 0.5f);
+  EXPECT_EQ(m.metallic, 0);
+  EXPECT_EQ(m.roughness, 0.25f);
+  EXPECT_EQ(m.emission, (Vec3f{8, 4, 0}));
+  EXPECT_EQ(m.alpha_mode, Material::AlphaMode::mask);
+  EXPECT_EQ(m.alpha_cutoff, 0.75f);
+  EXPECT_TRUE(m.double_sided);
+  EXPECT_EQ(m.ior, 1.25f);
+  EXPECT_EQ(m.transmission, 1);
+}
+
+TEST(GltfSurface, WithoutAMaterialTheSpecificationsDefaultHolds) {
+  GltfBuilder gltf;
+  gltf.triangle_node();
+  const Scene scene = gltf.parse();
+  const Material& m = scene.materials.at(scene.meshes[0].material);
+  EXPECT_EQ(m.base_color, (Vec3f{1, 1, 1}));
+  EXPECT_EQ(m.metallic, 1);
+  EXPECT_FALSE(m.double_sided);
+}
+
+TEST(GltfSurface, TexturesArePathsBesideTheFile) {
+  GltfBuilder gltf;
+  gltf.triangle_node();
+  gltf.root["images"] = {{{"uri", "old%20wood.png"}}};
+  gltf.root["textures"] = {{{"source", 0}}};
+  gltf.root["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+  const Scene scene = GltfBuilder::parse_text(gltf.text(), {}, "/nowhere/scenes");
+  EXPECT_EQ(scene.materials[0].base_color_texture, "/nowhere/scenes/old wood.png");
+  gltf.root["images"][0]["uri"] = "../../etc/passwd";
+  EXPECT_THROW(GltfBuilder::parse_text(gltf.text(), {}, "/nowhere/scenes"), Error);
+}
+
+TEST(GltfSurface, CamerasMoveWithTheirNodesAndHaveNoScale) {
+  GltfBuilder gltf;
+  gltf.root["cameras"] = {
+      {{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}}},
+      {{"type", "orthographic"}, {"orthographic", {{"xmag", 2}, {"ymag", 3}, {"znear", 0.1}, {"zfar", 10}}}}};
+  const int node = gltf.push("nodes", {{"camera", 0}, {"name", "eye"}, {"scale", {2, -2, 2}}});
+  gltf.push("nodes", {{"camera", 1}});
+  const float half = std::sqrt(0.5f);
+  gltf.animate(node, "translation", {0, 1}, {0, 0, 0, 4, 0, 0}, "VEC3");
+  gltf.animate(node, "rotation", {0, 1}, {0, 0, 0, 1, 0, half, 0, half}, "VEC4");  // 90 degrees about y
+  const Scene scene = gltf.parse();
+  ASSERT_EQ(scene.cameras.size(), 2u);
+  EXPECT_EQ(scene.cameras[0].name, "eye");
+  EXPECT_EQ(scene.cameras[0].vfov, 0.5);
+  EXPECT_TRUE(scene.cameras[1].orthographic);
+  EXPECT_EQ(scene.cameras[1].view_height, 6);
+  EXPECT_TRUE(scene.cameras[1].motion->is_static(0, 1));
+  const TransformMotion& motion = *scene.cameras[0].motion;
+  EXPECT_FALSE(motion.is_static(0, 1));
+  const Vec3d ahead = transform_point(motion.at(1, Side::after), {0, 0, -1});
+  EXPECT_NEAR(ahead.x, 3, 1e-6) << "looks along -x after a quarter turn about y";
+  EXPECT_NEAR(ahead.z, 0, 1e-6);
+  EXPECT_NEAR(determinant3(motion.at(0.3, Side::after)), 1, 1e-9) << "neither scale nor mirroring is left";
+  gltf.root["cameras"][0]["perspective"]["yfov"] = 0;
+  EXPECT_THROW(gltf.parse(), Error);
+}
+
+TEST(GltfSurface, PointAndDirectionalLightsAreKept) {
+  GltfBuilder gltf;
+  const float half = std::sqrt(0.5f);
+  gltf.root["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "point"}, {"intensity", 10}, {"color", {1, 0.5, 0}}},
+      {{"type", "directional"}},
+      {{"type", "spot"}, {"spot", {{"outerConeAngle", 0.5}}}}};
+  const auto lit = [](int light) { return nlohmann::json{{"KHR_lights_punctual", {{"light", light}}}}; };
+  gltf.push("nodes", {{"translation", {1, 2, 3}}, {"extensions", lit(0)}});
+  gltf.push("nodes", {{"rotation", {0, half, 0, half}}, {"extensions", lit(1)}});
+  gltf.push("nodes", {{"extensions", lit(2)}});
+  const Scene scene = gltf.parse();
+  ASSERT_EQ(scene.lights.size(), 2u);
+  EXPECT_EQ(std::get<PointLight>(scene.lights[0]).position, (Vec3f{1, 2, 3}));
+  EXPECT_EQ(std::get<PointLight>(scene.lights[0]).intensity, (Vec3f{10, 5, 0}));
+  EXPECT_NEAR(std::get<DirectionalLight>(scene.lights[1]).direction.x, -1, 1e-6);
+  EXPECT_THAT(scene.warnings, testing::ElementsAre(HasSubstr("'spot'")));
+  gltf.root["nodes"][0]["extensions"] = lit(3);
+  EXPECT_THROW(gltf.parse(), Error);
+}
+
+}  // namespace
+}  // namespace kairos
