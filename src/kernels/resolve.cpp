@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 #include <tuple>
 
 #include "kernels/time_bins.h"
@@ -36,18 +35,10 @@ void sort_by_begin(const std::vector<Segment>& hits, std::vector<uint64_t>& orde
   }
 }
 
-float distance(const Piece& piece, float time) { return piece.hit.dist_begin + (time - piece.hit.begin) * piece.slope; }
+float distance(const Piece& piece, float time) { return piece.dist + (time - piece.begin) * piece.slope; }
 
 bool same_surface(const Segment& a, const Segment& b) {
   return a.mesh == b.mesh && a.triangle == b.triangle && a.front == b.front;
-}
-
-/// True when `a` is seen rather than `b` from `time` on.
-bool in_front(const Piece& a, const Piece& b, float time) {
-  const float da = distance(a, time), db = distance(b, time);
-  if (da != db) return da < db;
-  if (a.slope != b.slope) return a.slope < b.slope;
-  return std::tie(a.hit.mesh, a.hit.triangle) < std::tie(b.hit.mesh, b.hit.triangle);
 }
 
 class Sweep {
@@ -56,13 +47,12 @@ class Sweep {
       : hits_(hits), order_(scratch.order), active_(scratch.active), out_(out) {}
 
   void run() {
-    active_.clear();
     out_.clear();
     while (next_ < order_.size()) {
-      now_ = next_hit().begin;
-      emitted_ = now_;
-      admit();
-      while (choose()) step();
+      active_.clear();
+      now_ = emitted_ = next_hit().begin;
+      while (next_ < order_.size() && next_hit().begin <= now_) take_up();
+      while (choose()) advance();
     }
     if (out_.empty()) return;
     // Slivers at the shutter's ends have nothing that they could be left to.
@@ -73,78 +63,93 @@ class Sweep {
  private:
   const Segment& next_hit() const { return hits_[static_cast<uint32_t>(order_[next_])]; }
 
-  /// Takes up every hit that begins by now. The one seen now may change.
-  void admit() {
-    for (; next_ < order_.size() && next_hit().begin <= now_ + kTimeSnap; ++next_) {
-      const Segment& hit = next_hit();
-      if (hit.end - now_ < kTimeSnap) continue;
-      active_.push_back({hit, (hit.dist_end - hit.dist_begin) / (hit.end - hit.begin)});
-    }
+  /// Makes the next hit one of the active ones.
+  void take_up() {
+    const Segment& hit = next_hit();
+    active_.push_back({hit.begin, hit.end, hit.dist_begin, (hit.dist_end - hit.dist_begin) / (hit.end - hit.begin),
+                       std::min(hit.dist_begin, hit.dist_end), std::max(hit.dist_begin, hit.dist_end),
+                       static_cast<uint32_t>(order_[next_])});
+    ++next_;
   }
 
-  /// Finds what is seen from now on; false when nothing is.
+  /// True when `a` is seen rather than `b` from now on.
+  bool in_front(const Piece& a, const Piece& b) const {
+    const float da = distance(a, now_), db = distance(b, now_);
+    if (da != db) return da < db;
+    if (a.slope != b.slope) return a.slope < b.slope;
+    const Segment &ha = hits_[a.hit], &hb = hits_[b.hit];
+    return std::tie(ha.mesh, ha.triangle) < std::tie(hb.mesh, hb.triangle);
+  }
+
+  /// Forgets what is over and finds what is seen from now on; false when nothing is.
   bool choose() {
     size_t kept = 0;
     for (size_t i = 0; i < active_.size(); ++i)
-      if (active_[i].hit.end - now_ >= kTimeSnap) active_[kept++] = active_[i];
+      if (active_[i].end - now_ >= kTimeSnap) {
+        if (kept != i) active_[kept] = active_[i];
+        ++kept;
+      }
     active_.resize(kept);
     if (kept == 0) return false;
-    seen_ = 0;
+    size_t seen = 0;
     for (size_t i = 1; i < kept; ++i)
-      if (in_front(active_[i], active_[seen_], now_)) seen_ = i;
-    change_ = active_[seen_].hit.end;
-    for (size_t i = 0; i < kept; ++i) change_ = std::min(change_, crossing(active_[i]));
+      if (in_front(active_[i], active_[seen])) seen = i;
+    see(seen);
     return true;
   }
 
-  /// When `other` comes in front of what is seen now; infinity for never.
-  float crossing(const Piece& other) const {
-    const Piece& seen = active_[seen_];
-    const float closing = seen.slope - other.slope;
-    if (!(closing > 0)) return std::numeric_limits<float>::infinity();
-    const float gap = distance(other, now_) - distance(seen, now_);
-    if (!(gap > 0)) return std::numeric_limits<float>::infinity();  // a tie that was decided
-    const float time = now_ + std::max(gap / closing, kTimeSnap);   // at least a sliver, so that the sweep goes on
-    return time < other.hit.end ? time : std::numeric_limits<float>::infinity();
+  /// From now on active_[index] is seen: until it ends, or another comes in front of it.
+  void see(size_t index) {
+    seen_ = index;
+    change_ = active_[index].end;
+    for (const Piece& other : active_) limit_by(other);
   }
 
-  /// Goes on to the next instant at which something may change, and notes down what was seen until then.
-  void step() {
+  /// Brings change_ forward to when `other` comes in front of what is seen.
+  void limit_by(const Piece& other) {
+    const Piece& seen = active_[seen_];
+    if (other.nearest >= seen.farthest) return;
+    const float closing = seen.slope - other.slope, gap = distance(other, now_) - distance(seen, now_);
+    if (!(gap > 0) || !(gap < closing * (change_ - now_))) return;  // no gap: a tie, which in_front has decided
+    const float time = now_ + std::max(gap / closing, kTimeSnap);   // at least a sliver, so that the sweep goes on
+    if (time < other.end) change_ = std::min(change_, time);
+  }
+
+  /// Goes on to the next change that only choose() can decide, and notes down what was seen until then.
+  void advance() {
+    // A hit that begins within a sliver of the end takes over from it, without a gap.
     while (next_ < order_.size() && next_hit().begin <= change_ + kTimeSnap) {
-      const Segment& hit = next_hit();
-      now_ = std::min(std::max(now_, hit.begin), change_);
-      if (hit.end - now_ < kTimeSnap) {
+      now_ = std::min(std::max(now_, next_hit().begin), change_);
+      if (next_hit().end - now_ < kTimeSnap) {
         ++next_;
         continue;
       }
-      active_.push_back({hit, (hit.dist_end - hit.dist_begin) / (hit.end - hit.begin)});
-      ++next_;
-      if (in_front(active_.back(), active_[seen_], now_)) {
-        emit(now_);
-        return;
+      take_up();
+      if (in_front(active_.back(), active_[seen_])) {
+        emit();
+        see(active_.size() - 1);
+      } else {
+        limit_by(active_.back());
       }
-      change_ = std::min(change_, crossing(active_.back()));
     }
     now_ = change_;
-    emit(now_);
+    emit();
   }
 
-  /// What is seen was so from the last emission until `time`. Slivers are left to what follows.
-  void emit(float time) {
+  /// What is seen was so from the last emission until now. Slivers are left to what follows.
+  void emit() {
+    if (now_ - emitted_ < kTimeSnap) return;
     const Piece& seen = active_[seen_];
-    if (time - emitted_ < kTimeSnap) return;
-    if (!out_.empty() && out_.back().end == emitted_ && same_surface(out_.back(), seen.hit)) {
-      out_.back().end = time;
-      out_.back().dist_end = distance(seen, time);
+    const Segment& hit = hits_[seen.hit];
+    const float dist_end = now_ == hit.end ? hit.dist_end : distance(seen, now_);
+    if (!out_.empty() && out_.back().end == emitted_ && same_surface(out_.back(), hit)) {
+      out_.back().end = now_;
+      out_.back().dist_end = dist_end;
     } else {
-      Segment segment = seen.hit;
-      segment.dist_begin = emitted_ == segment.begin ? segment.dist_begin : distance(seen, emitted_);
-      segment.dist_end = time == segment.end ? segment.dist_end : distance(seen, time);
-      segment.begin = emitted_;
-      segment.end = time;
-      out_.push_back(segment);
+      out_.push_back({emitted_, now_, emitted_ == hit.begin ? hit.dist_begin : distance(seen, emitted_), dist_end,
+                      hit.mesh, hit.triangle, hit.front});
     }
-    emitted_ = time;
+    emitted_ = now_;
   }
 
   const std::vector<Segment>& hits_;

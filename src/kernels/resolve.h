@@ -10,9 +10,12 @@ namespace kairos {
 
 /// Scratch of resolve_visible.
 struct ResolveScratch {
+  /// A hit that has begun and may not have ended.
   struct Piece {
-    Segment hit;
-    float slope;  ///< distance per shutter time
+    float begin, end;
+    float dist, slope;        ///< distance at begin, and its change per shutter time
+    float nearest, farthest;  ///< distance over the whole hit
+    uint32_t hit;             ///< index
   };
   std::vector<Piece> active;
   std::vector<uint64_t> order;
