@@ -69,6 +69,26 @@ TEST(LoadScene, OtherFilesArePutTogether) {
   EXPECT_THAT(cameras, ElementsAre("camera", "camera.1"));
 }
 
+TEST(LoadScene, NativeScenesIncludeGltf) {
+  const TempFolder folder;
+  folder.write("sub/triangle.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+    "nodes": [{"mesh": 0, "translation": [0, 0, 3]}, {"camera": 0}],
+    "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
+  folder.write("a.obj", kTriangle);
+  const auto scene = load_scene({folder.write("scene.json", R"({"kairos": 1, "include": ["sub/triangle.gltf"],
+    "meshes": [{"keys": ["a.obj"], "material": "m"}], "materials": {"m": {}}})")});
+  ASSERT_EQ(scene->meshes.size(), 2u);
+  EXPECT_EQ(first_vertex(scene->meshes[0], 0), (Vec3d{0, 0, 3}));
+  EXPECT_EQ(scene->materials.at(scene->meshes[1].material).name, "m");
+  ASSERT_EQ(scene->cameras.size(), 1u);
+  EXPECT_NEAR(scene->cameras[0].vfov, 0.5, 1e-9);
+  EXPECT_EQ(scene->fps, 24);  // the included file's
+}
+
 TEST(LoadScene, NamesWhatItCannotRead) {
   const TempFolder folder;
   expect_error([] { load_scene({}); }, {"no scene file"}, ErrorCode::bad_usage);

@@ -132,6 +132,7 @@ Scene load_file(const std::string& path, LoadContext& context) {
     case FileFormat::gltf:
       break;
   }
+  context.count_file(path);
   return load_gltf(path, context.options);
 }
 
