@@ -140,6 +140,10 @@ TEST(Obj, KeysOfOtherConnectivityAreRefused) {
   expect_error([&] { load({one, kSquare + "f 1 2 3\nf 1 4 3\n"}); }, {"key1.obj: its faces name other vertices"});
 }
 
+TEST(Obj, AByteOrderMarkHidesNothing) {
+  EXPECT_THAT(load("\xef\xbb\xbf" + kSquare + "f 1 2 3\n").positions, ElementsAre(testing::SizeIs(4)));
+}
+
 TEST(Obj, MalformedLinesNameTheirNumber) {
   expect_error([] { load("v 0 0 0\n\nv 1 2\n"); }, {"key0.obj:3", "a number is missing"});
   expect_error([] { load("v 0 0 0\nv 1 \\\n2 \\\nx\nv 0 0 0\n"); }, {"key0.obj:2", "'x' is not a number"});

@@ -219,8 +219,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("pbrt_folder", type=pathlib.Path)
     parser.add_argument("out_folder", type=pathlib.Path)
-    parser.add_argument("--move", default="0.1,0.02,0.1", help="metres to the right, up and forward (%(default)s)")
-    parser.add_argument("--pan", type=float, default=1.0, help="degrees to the right (%(default)s)")
+    parser.add_argument("--move", default="0.03,0.006,0.03", help="metres to the right, up and forward (%(default)s)")
+    parser.add_argument("--pan", type=float, default=0.3, help="degrees to the right (%(default)s)")
     arguments = parser.parse_args()
     move = [float(value) for value in arguments.move.split(",")]
     if len(move) != 3:

@@ -162,6 +162,10 @@ class ObjParser {
 
 }  // namespace
 
-PolygonMesh parse_obj(std::string_view text, const std::string& path) { return ObjParser(text, path).parse(); }
+PolygonMesh parse_obj(std::string_view text, const std::string& path) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // would hide the first statement
+  if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark) text.remove_prefix(kByteOrderMark.size());
+  return ObjParser(text, path).parse();
+}
 
 }  // namespace kairos
