@@ -47,13 +47,17 @@ TEST(Resolve, TwoThatPassThroughEachOtherChangePlacesWhereTheyMeet) {
 TEST(Resolve, NeighboursThatMissEachOtherByRoundingLeaveNoSliverOfWhatIsBehind) {
   const float end = 0.5f, begin = 0.5f + 0.5f * kTimeSnap;
   for (const auto& [first_end, second_begin] : {std::pair(end, begin), std::pair(begin, end)}) {
-    const auto seen = visible({hit(0, first_end, 1, 1, 0), hit(second_begin, 1, 1, 1, 1), hit(0, 1, 5, 5, 2)});
-    ASSERT_EQ(seen.size(), 2u);
-    EXPECT_EQ(seen[0].triangle, 0u);
-    EXPECT_EQ(seen[1].triangle, 1u);
-    EXPECT_EQ(seen[0].end, seen[1].begin);
-    EXPECT_EQ(seen[0].begin, 0);
-    EXPECT_EQ(seen[1].end, 1);
+    for (const bool something_behind : {true, false}) {
+      std::vector<Segment> hits{hit(0, first_end, 1, 1, 0), hit(second_begin, 1, 1, 1, 1)};
+      if (something_behind) hits.push_back(hit(0, 1, 5, 5, 2));
+      const auto seen = visible(hits);
+      ASSERT_EQ(seen.size(), 2u);
+      EXPECT_EQ(seen[0].triangle, 0u);
+      EXPECT_EQ(seen[1].triangle, 1u);
+      EXPECT_EQ(seen[0].end, seen[1].begin);
+      EXPECT_EQ(seen[0].begin, 0);
+      EXPECT_EQ(seen[1].end, 1);
+    }
   }
 }
 
