@@ -51,6 +51,7 @@ class SceneReader {
     check_extensions(document_, warnings_);
     auto graph = std::make_shared<NodeGraph>(document_);
     play_animation(document_, options_.animation, *graph, warnings_);
+    for (const auto& animation : document_.model.animations) scene_.animations.push_back(printable(animation.name));
     graph_ = std::move(graph);
     scene_.materials = read_materials(document_, warnings_);
     const std::vector<int> nodes = nodes_of_scene();

@@ -116,6 +116,7 @@ void append_scene(Scene& scene, Scene other) {
   move_append(scene.meshes, other.meshes);
   move_append(scene.cameras, other.cameras);
   move_append(scene.lights, other.lights);
+  move_append(scene.animations, other.animations);
   move_append(scene.warnings, other.warnings);
   if (scene.background == Vec3f{}) scene.background = other.background;
   if (!scene.shutter) scene.shutter = other.shutter;
