@@ -37,7 +37,7 @@ std::vector<std::string_view> split(const std::string& option, std::string_view 
 namespace {
 
 void add_real(CLI::App& app, const std::string& name, const std::string& help, const std::string& type,
-              std::function<void(double)> set) {
+              const std::function<void(double)>& set) {
   app.add_option_function<std::string>(
          name, [name, set](const std::string& text) { set(parse_real(name, text)); }, help)
       ->type_name(type);

@@ -114,7 +114,7 @@ void read_attributes(const Imf::Header& header, Image& image) {
 }
 
 void read_windows(const Imf::Header& header, const std::string& path, uint64_t byte_limit, Image& image) {
-  const Imath::Box2i data = header.dataWindow(), display = header.displayWindow();
+  const Imath::Box2i &data = header.dataWindow(), &display = header.displayWindow();
   const auto extent = [](int low, int high) { return static_cast<int64_t>(high) - low + 1; };
   const int64_t width = extent(data.min.x, data.max.x), height = extent(data.min.y, data.max.y);
   const int64_t frame_width = extent(display.min.x, display.max.x), frame_height = extent(display.min.y, display.max.y);
