@@ -96,6 +96,23 @@ TEST(Shader, FlatIsBaseColourPlusEmission) {
   EXPECT_EQ(shade.albedo, (Vec3f{0.1f, 0.2f, 0.3f}));
 }
 
+TEST(Shader, OnlyWhatMovesVaries) {
+  Shot shot;
+  shot.meshes = {triangle_mesh(), triangle_mesh(), triangle_mesh()};
+  shot.meshes[1].positions.push_back(shot.meshes[1].positions[0]);
+  shot.meshes[1].key_times = {0, 1};
+  shot.meshes[2].normals.assign(2, {kA, kB, kC});
+  const Shader normal(shot, ShadingKind::normal, false), flat(shot, ShadingKind::flat, false);
+  EXPECT_FALSE(normal.varies(0));
+  EXPECT_TRUE(normal.varies(1));
+  EXPECT_TRUE(normal.varies(2));
+  EXPECT_FALSE(flat.varies(1));
+  EXPECT_TRUE(Shader(shot, ShadingKind::flat, true).varies(1)) << "its normal is asked for";
+  shot.camera_moves = true;
+  shot.world_from_camera = [](double) { return std::array<Vec3d, 3>{}; };
+  EXPECT_TRUE(Shader(shot, ShadingKind::normal, false).varies(0));
+}
+
 TEST(Shader, ATriangleWithoutAreaIsBlackNotNaN) {
   Shot shot;
   shot.meshes = {triangle_mesh()};

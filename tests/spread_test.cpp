@@ -17,6 +17,8 @@ Segment segment(float begin, float end) {
   return s;
 }
 
+bool always(const Segment&) { return true; }
+
 const std::vector<Segment> kSegments = {segment(0, 0.05f), segment(0.05f, 0.4f), segment(0.5f, 0.5000001f),
                                         segment(0.6f, 0.9f)};
 
@@ -24,7 +26,7 @@ TEST(Spread, PartsCoverEverySegmentExactly) {
   std::vector<ShadingSample> samples;
   for (uint64_t trial = 0; trial < 1000; ++trial)
     for (const int count : {1, 3, 8, 100}) {
-      spread_samples(kSegments, count, unit_float(hash(trial, 0)), unit_float(hash(trial, 1)), samples);
+      spread_samples(kSegments, count, unit_float(hash(trial, 0)), unit_float(hash(trial, 1)), always, samples);
       size_t next = 0;
       for (uint32_t i = 0; i < kSegments.size(); ++i) {
         float at = kSegments[i].begin;
@@ -47,7 +49,7 @@ TEST(Spread, LongSegmentsGetMoreSamples) {
   std::map<uint32_t, int> counts;
   const int trials = 2000, per_ray = 40;
   for (uint64_t trial = 0; trial < trials; ++trial) {
-    spread_samples(kSegments, per_ray, unit_float(hash(trial, 0)), 0.5f, samples);
+    spread_samples(kSegments, per_ray, unit_float(hash(trial, 0)), 0.5f, always, samples);
     for (const ShadingSample& s : samples) ++counts[s.segment];
   }
   const double visible = 0.05 + 0.35 + 0.3;
@@ -69,7 +71,7 @@ TEST(Spread, IsUnbiased) {
     const int trials = 200000;
     double sum = 0, squares = 0;
     for (uint64_t trial = 0; trial < trials; ++trial) {
-      spread_samples(kSegments, count, unit_float(hash(trial, 0)), unit_float(hash(trial, 1)), samples);
+      spread_samples(kSegments, count, unit_float(hash(trial, 0)), unit_float(hash(trial, 1)), always, samples);
       double estimate = 0;
       for (const ShadingSample& s : samples) estimate += (s.end - s.begin) * f(s.time);
       sum += estimate;
@@ -81,9 +83,20 @@ TEST(Spread, IsUnbiased) {
   }
 }
 
+TEST(Spread, OneSampleWhereNothingChanges) {
+  std::vector<ShadingSample> samples;
+  spread_samples(
+      kSegments, 100, 0.5, 0.5f, [](const Segment& s) { return s.end > 0.8f; }, samples);
+  std::map<uint32_t, int> counts;
+  for (const ShadingSample& s : samples) ++counts[s.segment];
+  EXPECT_EQ(counts[0], 1);
+  EXPECT_EQ(counts[1], 1);
+  EXPECT_GT(counts[3], 40);
+}
+
 TEST(Spread, NothingSeenNeedsNoSample) {
   std::vector<ShadingSample> samples{{}};
-  spread_samples({}, 8, 0.5, 0.5f, samples);
+  spread_samples({}, 8, 0.5, 0.5f, always, samples);
   EXPECT_TRUE(samples.empty());
 }
 

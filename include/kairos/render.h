@@ -50,7 +50,8 @@ struct Crop {
 struct RenderParams {
   IntegratorKind integrator = IntegratorKind::tc;
   int tc_rays = 16;         ///< tc: rays per pixel, 1 to 2^20
-  int shading_samples = 8;  ///< tc: per ray, over its segments by duration, at least one in each; 1 to 2^16
+  int shading_samples = 8;  ///< tc: per ray, over its segments by duration, at least one in each (and no more
+                            ///< where nothing changes); 1 to 2^16
   int spp = 64;             ///< qmc: samples per pixel, 1 to 2^20
   SamplerKind sampler = SamplerKind::owen_sobol;
   ShadingKind shading = ShadingKind::normal;

@@ -20,11 +20,13 @@ struct ShadingSample {
 /// segment with n samples is cut into n equal parts, each sampled at the same fraction of its length; the parts'
 /// durations sum to the segment's exactly.
 ///
+/// varies(segment) says whether its instants may look different from each other: where not, one sample is exact.
 /// share and phase, in [0, 1), independent of each other and uniform over rays: which segments get the samples that
 /// durations leave undecided, and where in their parts samples lie. The sum of duration x colour(time) is then
 /// unbiased.
-inline void spread_samples(std::span<const Segment> segments, int samples, double share, float phase,
-                           std::vector<ShadingSample>& out) {
+template <class Varies>
+void spread_samples(std::span<const Segment> segments, int samples, double share, float phase, Varies&& varies,
+                    std::vector<ShadingSample>& out) {
   out.clear();
   double visible = 0, before = 0;
   for (const Segment& s : segments) visible += static_cast<double>(s.end) - static_cast<double>(s.begin);
@@ -32,7 +34,7 @@ inline void spread_samples(std::span<const Segment> segments, int samples, doubl
     const Segment& s = segments[i];
     const double after = before + (static_cast<double>(s.end) - static_cast<double>(s.begin));
     const double marks = std::floor(after / visible * samples + share) - std::floor(before / visible * samples + share);
-    const int parts = std::max(1, static_cast<int>(marks));
+    const int parts = varies(s) ? std::max(1, static_cast<int>(marks)) : 1;
     const auto border = [&](int part) {
       if (part == parts) return s.end;
       return std::min(s.end, s.begin + (s.end - s.begin) * (static_cast<float>(part) / static_cast<float>(parts)));

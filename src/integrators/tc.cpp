@@ -11,8 +11,7 @@ class TcIntegrator : public Integrator {
  public:
   TcIntegrator(const Shot& shot, const RenderParams& params, const PixelContext& context)
       : context_(context),
-        // Where all instants of a segment look the same, the one sample that each gets is exact.
-        shading_samples_(context.shader.varies() ? params.shading_samples : 1),
+        shading_samples_(params.shading_samples),
         tracer_(shot.meshes, {Precision::fast, params.instruction_set}) {}
 
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<TcWorker>(*this); }
@@ -31,7 +30,9 @@ class TcIntegrator : public Integrator {
         const Ray ray = context_.ray(x, y, point);
         const auto segments = integrator_.tracer_.trace(ray, Visibility::visible, workspace_);
         const double share = unit_float(hash(pixel.seed, i, kShareDimension));
-        spread_samples(segments, integrator_.shading_samples_, share, point.time, samples_);
+        spread_samples(
+            segments, integrator_.shading_samples_, share, point.time,
+            [&](const Segment& s) { return context_.shader.varies(s.mesh); }, samples_);
         shaded_.clear();
         for (const ShadingSample& sample : samples_) shaded_.push_back(shade(ray, segments[sample.segment], sample));
         shading_samples_ += shaded_.size();

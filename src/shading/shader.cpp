@@ -11,7 +11,8 @@ Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal)
   const Material fallback;  // for a shot made by hand, without materials
   for (const Mesh& mesh : shot.meshes) {
     const Material& material = mesh.material < shot.materials.size() ? shot.materials[mesh.material] : fallback;
-    looks_.push_back({material.base_color, material.emission});
+    const bool still = mesh.is_static() && mesh.normals.size() < 2 && !shot.camera_moves;
+    looks_.push_back({material.base_color, material.emission, want_normal_ && !still});
   }
   if (!shot.world_from_camera)
     world_from_camera_ = {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};

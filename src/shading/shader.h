@@ -24,14 +24,15 @@ class Shader {
   /// time: shutter time at which the ray sees the triangle.
   Shade shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;
 
-  /// False when all instants of one triangle look the same: then one sample per segment is exact.
-  bool varies() const { return want_normal_; }
+  /// False when all instants at which a ray sees one of the mesh's triangles look the same.
+  bool varies(uint32_t mesh) const { return looks_[mesh].varies; }
 
  private:
   Vec3f normal(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;
 
   struct Look {
     Vec3f base_colour, emission;
+    bool varies;
   };
 
   const Shot& shot_;
