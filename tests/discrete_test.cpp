@@ -1,4 +1,5 @@
 // Discrete rays against moving triangles whose answers are known.
+#include <array>
 #include <limits>
 #include <random>
 
@@ -134,6 +135,53 @@ TEST(Discrete, MoreKeysThanEmbreeTakes) {
     xs.push_back(k % 2 ? 0.01f : -0.01f);
   }
   expect_follows(make_slider(times, xs, -5), xs);
+}
+
+TEST(Discrete, MeshesWithDifferentKeysDoNotHideEachOther) {
+  constexpr unsigned kSeed = 20262;
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  const auto vector = [&](float size) {
+    const float x = uniform(random), y = uniform(random), z = uniform(random);
+    return Vec3f{size * x, size * y, size * z};
+  };
+  const std::vector<std::vector<float>> key_times{{0, 0.4f, 1}, {0, 0.2f, 0.4f, 0.7f, 1}, {0, 1},
+                                                  {0, 0.5f, 1}, {0, 0.3f, 0.3f, 1},       {}};
+  std::vector<Mesh> meshes;
+  for (int m = 0; m < 12; ++m) {
+    Mesh mesh;
+    mesh.name = "soup";
+    mesh.key_times = key_times[static_cast<size_t>(m) % key_times.size()];
+    mesh.positions.resize(std::max<size_t>(1, mesh.key_times.size()));
+    for (uint32_t i = 0; i < 300; ++i) {
+      const Vec3f center = Vec3f{0, 0, -5} + vector(1.5f);
+      const std::array<Vec3f, 3> corners{vector(0.1f), vector(0.1f), vector(0.1f)};
+      for (size_t k = 0; k < mesh.positions.size(); ++k) {
+        const Vec3f move = vector(0.1f);
+        for (Vec3f corner : corners) mesh.positions[k].push_back(center + corner + move);
+      }
+      mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    meshes.push_back(mesh);
+  }
+  const DiscreteScene all(meshes);
+  EXPECT_EQ(all.stats().trees, 6u);
+  std::vector<DiscreteScene> alone;
+  for (const Mesh& mesh : meshes) alone.emplace_back(std::span(&mesh, 1));
+  int hits = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Ray ray{{}, {0.3f * uniform(random), 0.3f * uniform(random), -1}};
+    const float time = std::abs(uniform(random));
+    float nearest = std::numeric_limits<float>::infinity();
+    for (const DiscreteScene& scene : alone)
+      if (const auto hit = scene.intersect(ray, time)) nearest = std::min(nearest, hit->dist);
+    const auto hit = all.intersect(ray, time);
+    ASSERT_EQ(hit.has_value(), std::isfinite(nearest)) << time;
+    if (!hit) continue;
+    ++hits;
+    ASSERT_NEAR(hit->dist, nearest, 1e-5f * nearest) << time;
+  }
+  EXPECT_GT(hits, 5000);
 }
 
 TEST(Discrete, UniformRuns) {

@@ -36,13 +36,23 @@ void fill_buffer(RTCGeometry geometry, RTCBufferType type, unsigned slot, RTCFor
   std::memcpy(data, source.data(), source.size() * sizeof(Element));
 }
 
+/// Geometry that is there in one stretch of the shutter, which is Embree's time from 0 to 1. Embree knows time ranges
+/// of geometries too, but where they differ within one scene its version 3.13 loses triangles.
+struct Window {
+  float begin = 0, end = 1;
+  EmbreeScene scene;
+
+  bool holds(float time) const { return begin <= time && (time < end || end == 1); }
+  float local(float time) const { return std::min((time - begin) / (end - begin), 1.0f); }
+};
+
 }  // namespace
 
 struct DiscreteScene::Impl {
   // In this order: scenes are gone before the device is.
   EmbreeDevice device;
-  EmbreeScene still, moving;      // null where there is nothing of the kind
-  std::vector<uint32_t> mesh_of;  // [Embree's geometry number]; one numbering for both scenes
+  std::vector<Window> windows;    // what stays still comes first, if there is any
+  std::vector<uint32_t> mesh_of;  // [Embree's geometry number]; one numbering for all scenes
   DiscreteStats stats;
 
   Impl(std::span<const Mesh> meshes, const DiscreteOptions& options) {
@@ -51,46 +61,49 @@ struct DiscreteScene::Impl {
       const Mesh& mesh = meshes[m];
       validate_mesh(mesh);
       stats.triangles += mesh.triangles.size();
-      if (mesh.triangles.empty()) continue;
-      if (mesh.is_static()) {
-        attach(still, options, mesh, {0, 0}, static_cast<uint32_t>(m));
-        ++stats.static_geometries;
-        continue;
-      }
+      if (mesh.triangles.empty() || !mesh.is_static()) continue;
+      if (windows.empty()) add_window(0, 1, options);
+      attach(windows.front(), mesh, {0, 0}, static_cast<uint32_t>(m));
+      ++stats.static_geometries;
+    }
+    const size_t first_moving = windows.size();
+    for (size_t m = 0; m < meshes.size(); ++m) {
+      const Mesh& mesh = meshes[m];
+      if (mesh.triangles.empty() || mesh.is_static()) continue;
       for (const UniformRun& run : uniform_runs(mesh.key_times)) {
-        attach(moving, options, mesh, run, static_cast<uint32_t>(m));
+        const float run_begin = mesh.key_times[run.first], run_end = mesh.key_times[run.last];
+        size_t w = first_moving;
+        while (w < windows.size() && !(windows[w].begin == run_begin && windows[w].end == run_end)) ++w;
+        if (w == windows.size()) add_window(run_begin, run_end, options);
+        attach(windows[w], mesh, run, static_cast<uint32_t>(m));
         ++stats.moving_geometries;
       }
     }
+    stats.trees = windows.size();
     // A thread that waits for Embree's locks must not take up work that waits for them too.
     isolate([&] {
-      for (const EmbreeScene* scene : {&still, &moving})
-        if (*scene) rtcCommitScene(scene->get());
+      for (const Window& window : windows) rtcCommitScene(window.scene.get());
     });
     device.check();
     stats.build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
 
-  void attach(EmbreeScene& scene, const DiscreteOptions& options, const Mesh& mesh, UniformRun run, uint32_t index) {
-    if (!scene) {
-      scene.reset(rtcNewScene(device.get()));
-      device.check();
-      rtcSetSceneFlags(scene.get(), options.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
-    }
+  void add_window(float begin, float end, const DiscreteOptions& options) {
+    windows.push_back({begin, end, EmbreeScene(rtcNewScene(device.get()))});
+    device.check();
+    rtcSetSceneFlags(windows.back().scene.get(), options.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+  }
+
+  void attach(const Window& window, const Mesh& mesh, UniformRun run, uint32_t index) {
     const EmbreeGeometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
     device.check();
     fill_buffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles, device);
     rtcSetGeometryTimeStepCount(geometry.get(), static_cast<unsigned>(run.last - run.first + 1));
-    if (run.last > run.first) {
-      // Embree takes a range as half-open, but for one that ends at 1: just as jumps ask for.
-      const float begin = mesh.key_times[run.first], end = mesh.key_times[run.last];
-      if (begin != 0 || end != 1) rtcSetGeometryTimeRange(geometry.get(), begin, end);
-    }
     for (size_t key = run.first; key <= run.last; ++key)
       fill_buffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(key - run.first), RTC_FORMAT_FLOAT3,
                   mesh.positions[key], device);
     rtcCommitGeometry(geometry.get());
-    rtcAttachGeometryByID(scene.get(), geometry.get(), static_cast<unsigned>(mesh_of.size()));
+    rtcAttachGeometryByID(window.scene.get(), geometry.get(), static_cast<unsigned>(mesh_of.size()));
     device.check();
     mesh_of.push_back(index);
   }
@@ -106,13 +119,15 @@ struct DiscreteScene::Impl {
     query.ray.dir_y = ray.direction.y;
     query.ray.dir_z = ray.direction.z;
     query.ray.tfar = std::numeric_limits<float>::infinity();
-    query.ray.time = time;
     query.ray.mask = ~0u;
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    for (const EmbreeScene* scene : {&still, &moving})  // the second looks no farther than the first one's hit
-      if (*scene) rtcIntersect1(scene->get(), &context, &query);
+    for (const Window& window : windows) {  // each looks no farther than what the ones before have hit
+      if (!window.holds(time)) continue;
+      query.ray.time = window.local(time);
+      rtcIntersect1(window.scene.get(), &context, &query);
+    }
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
     const Vec3f normal{query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z};
     return DiscreteHit{query.ray.tfar, mesh_of[query.hit.geomID],   query.hit.primID, query.hit.u,
@@ -123,10 +138,7 @@ struct DiscreteScene::Impl {
   void intersect_packet(std::span<const Ray> rays, std::span<const float> times,
                         std::span<std::optional<DiscreteHit>> hits) const {
     RTCRayHit8 query{};
-    alignas(32) int valid[kPacket]{};
     for (size_t i = 0; i < rays.size(); ++i) {
-      if (!usable(rays[i], times[i])) continue;
-      valid[i] = -1;
       query.ray.org_x[i] = rays[i].origin.x;
       query.ray.org_y[i] = rays[i].origin.y;
       query.ray.org_z[i] = rays[i].origin.z;
@@ -134,15 +146,23 @@ struct DiscreteScene::Impl {
       query.ray.dir_y[i] = rays[i].direction.y;
       query.ray.dir_z[i] = rays[i].direction.z;
       query.ray.tfar[i] = std::numeric_limits<float>::infinity();
-      query.ray.time[i] = times[i];
       query.ray.mask[i] = ~0u;
     }
     std::fill(std::begin(query.hit.geomID), std::end(query.hit.geomID), RTC_INVALID_GEOMETRY_ID);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    for (const EmbreeScene* scene : {&still, &moving})
-      if (*scene) rtcIntersect8(valid, scene->get(), &context, &query);
+    for (const Window& window : windows) {
+      alignas(32) int valid[kPacket]{};
+      bool any = false;
+      for (size_t i = 0; i < rays.size(); ++i) {
+        if (!usable(rays[i], times[i]) || !window.holds(times[i])) continue;
+        valid[i] = -1;
+        any = true;
+        query.ray.time[i] = window.local(times[i]);
+      }
+      if (any) rtcIntersect8(valid, window.scene.get(), &context, &query);
+    }
     for (size_t i = 0; i < rays.size(); ++i) {
       hits[i].reset();
       const uint32_t geometry = query.hit.geomID[i];

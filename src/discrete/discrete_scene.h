@@ -28,7 +28,8 @@ struct DiscreteOptions {
 struct DiscreteStats {
   double build_seconds = 0;
   size_t static_geometries = 0, moving_geometries = 0;  ///< Embree's: a mesh may be several
-  size_t triangles = 0;                                 ///< of all meshes, each counted once
+  size_t trees = 0;      ///< one for what stays still, one per stretch of time in which moving geometry has even keys
+  size_t triangles = 0;  ///< of all meshes, each counted once
 };
 
 /// The same meshes and motion keys as a Tracer's. What stays still has an Embree scene of its own, which makes rays a
