@@ -18,7 +18,7 @@ char guarded_path[PATH_MAX];
 extern "C" void on_signal(int) {
   if (polling && !requested.exchange(true)) return;
   if (guarded) unlink(guarded_path);
-  constexpr char kMessage[] = "kairos: interrupted; nothing was written\n";
+  constexpr char kMessage[] = "kairos: interrupted\n";
   [[maybe_unused]] const auto written = write(STDERR_FILENO, kMessage, sizeof(kMessage) - 1);
   _exit(1);
 }

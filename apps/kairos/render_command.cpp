@@ -60,7 +60,7 @@ Image render_with_progress(const RenderArguments& arguments, const Shot& shot, R
   } catch (const Error& e) {
     if (e.code() != ErrorCode::cancelled) throw;
   }
-  throw Error(ErrorCode::cancelled, "", "interrupted; nothing was written");
+  throw Error(ErrorCode::cancelled, "", "interrupted");
 }
 
 double ratio(uint64_t a, uint64_t b) { return b == 0 ? 0 : static_cast<double>(a) / static_cast<double>(b); }
