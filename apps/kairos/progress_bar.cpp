@@ -17,7 +17,7 @@ std::string with_unit(double value) {
 
 std::string clock_time(double seconds) {
   constexpr double kMostSeconds = 1e9;
-  const auto whole = static_cast<long>(std::clamp(seconds, 0.0, kMostSeconds) + 0.5);
+  const auto whole = std::lround(std::clamp(seconds, 0.0, kMostSeconds));
   if (whole < 60) return fmt::format("{} s", whole);
   if (whole < 3600) return fmt::format("{}:{:02}", whole / 60, whole % 60);
   return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);

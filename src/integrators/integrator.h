@@ -18,7 +18,6 @@ struct PixelContext {
   Sampler sampler;
   PixelFilter filter;
   Shader shader;
-  uint64_t seed;
 
   /// The ray of a sample of pixel (x, y).
   Ray ray(int x, int y, const SamplePoint& point) const {

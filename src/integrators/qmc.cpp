@@ -1,4 +1,7 @@
 // Discrete rays: each sees one instant.
+#include <algorithm>
+#include <array>
+
 #include "discrete/discrete_scene.h"
 #include "integrators/integrator.h"
 

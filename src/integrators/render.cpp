@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <mutex>
 
@@ -92,7 +93,7 @@ Image render(const Shot& shot, const RenderParams& params, RenderStats* stats_ou
   const bool want_normal = std::find(params.aovs.begin(), params.aovs.end(), Aov::normal) != params.aovs.end();
   const PixelContext context{CameraRays(shot.projection),
                              Sampler(params.sampler, static_cast<uint32_t>(std::max(samples, 0)), params.seed),
-                             PixelFilter(params.filter), Shader(shot, params.shading, want_normal), params.seed};
+                             PixelFilter(params.filter), Shader(shot, params.shading, want_normal)};
   Film film(shot.projection.width, shot.projection.height, crop, params.aovs);
 
   const ThreadLimit limit(params.threads);
