@@ -110,6 +110,8 @@ TEST(GltfSurface, PointAndDirectionalLightsAreKept) {
   EXPECT_EQ(std::get<PointLight>(scene.lights[0]).intensity, (Vec3f{10, 5, 0}));
   EXPECT_NEAR(std::get<DirectionalLight>(scene.lights[1]).direction.x, -1, 1e-6);
   EXPECT_THAT(scene.warnings, testing::ElementsAre(HasSubstr("'spot'")));
+  gltf.animate(0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0}, "VEC3");
+  EXPECT_THAT(gltf.parse().warnings, testing::Contains(HasSubstr("nodes[0]: a light that moves")));
   gltf.root["nodes"][0]["extensions"] = lit(3);
   EXPECT_THROW(gltf.parse(), Error);
 }

@@ -42,7 +42,7 @@ using Light = std::variant<PointLight, DirectionalLight, ConstantLight>;
 
 /// Picks what a scene file offers several of.
 struct LoadOptions {
-  std::string animation;   ///< name or index of a glTF animation; empty: the first
+  std::string animation;   ///< name or index of a glTF animation; empty: the first; "none": rest pose
   std::string gltf_scene;  ///< name or index of a glTF scene; empty: the default one
   bool strict = false;     ///< a bad triangle or an unsupported feature is an error, not a warning
 };

@@ -1,6 +1,7 @@
 #include "scene_io/gltf.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -69,6 +70,7 @@ class SceneReader {
   std::vector<int> roots() const {
     const auto& scenes = document_.model.scenes;
     std::vector<std::string> names;
+    names.reserve(scenes.size());
     for (const auto& scene : scenes) names.push_back(scene.name);
     int index = document_.model.defaultScene;
     if (!options_.gltf_scene.empty()) {
@@ -192,7 +194,13 @@ class SceneReader {
   void add_lights(const std::vector<int>& nodes) {
     if (document_.model.lights.empty()) return;
     std::vector<Mat4> world;
-    for (int node : nodes) world.push_back(graph_->world_at_rest(node));
+    constexpr double kEver = std::numeric_limits<double>::infinity();
+    for (int node : nodes) {
+      world.push_back(graph_->world_at_rest(node));
+      const auto& extensions = document_.model.nodes[static_cast<size_t>(node)].extensions;
+      if (extensions.count("KHR_lights_punctual") && !graph_->is_static(node, -kEver, kEver))
+        warnings_.add(at("nodes", static_cast<size_t>(node)), "a light that moves is kept where it is at rest");
+    }
     scene_.lights = read_lights(document_, nodes, world, warnings_);
   }
 

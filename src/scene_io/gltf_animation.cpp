@@ -113,6 +113,7 @@ void play_animation(Document& document, const std::string& wanted, NodeGraph& gr
   const auto& animations = document.model.animations;
   if (wanted == "none" || (wanted.empty() && animations.empty())) return;
   std::vector<std::string> names;
+  names.reserve(animations.size());
   for (const auto& animation : animations) names.push_back(animation.name);
   const int index = wanted.empty() ? 0 : find_by_name_or_index(names, wanted);
   if (index < 0)
