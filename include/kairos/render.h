@@ -13,8 +13,10 @@
 namespace kairos {
 
 enum class IntegratorKind {
-  tc,   ///< time-continuous rays: exact in time, sampled over the pixel
-  qmc,  ///< discrete rays, sampled over the pixel and the shutter
+  tc,         ///< time-continuous rays: exact in time, sampled over the pixel
+  qmc,        ///< discrete rays, sampled over the pixel and the shutter
+  automatic,  ///< mixed, with the number of rays of each kind chosen per pixel for the time of `spp` discrete samples
+  mixed,      ///< time-continuous rays where anything moves, discrete rays for what stands still relative to the camera
 };
 enum class SamplerKind {
   owen_sobol,    ///< Owen-scrambled Sobol' points, jointly in x, y and time
@@ -49,10 +51,11 @@ struct Crop {
 
 struct RenderParams {
   IntegratorKind integrator = IntegratorKind::tc;
-  int tc_rays = 16;         ///< tc: rays per pixel, 1 to 2^20
-  int shading_samples = 8;  ///< tc: per ray, over its segments by duration, at least one in each (and no more
-                            ///< where nothing changes); 1 to 2^16
-  int spp = 64;             ///< qmc: samples per pixel, 1 to 2^20
+  int tc_rays = 16;         ///< tc: rays per pixel; mixed: the same, where anything moves; 1 to 2^20
+  int shading_samples = 8;  ///< per time-continuous ray, over its segments by duration, at least one in each (and no
+                            ///< more where nothing changes); 1 to 2^16
+  int spp = 64;  ///< qmc: samples per pixel; mixed: rays to what stands still; automatic: the budget, in the
+                 ///< time of samples of qmc; 1 to 2^20
   SamplerKind sampler = SamplerKind::owen_sobol;
   ShadingKind shading = ShadingKind::normal;
   FilterKind filter = FilterKind::box;
@@ -68,8 +71,8 @@ struct RenderStats {
   uint64_t rays = 0;
   uint64_t segments = 0;                          ///< visibility segments (discrete rays: hits)
   uint64_t shading_samples = 0;                   ///< shading evaluations
-  TraceCounters counters;                         ///< tc only
-  size_t accel_memory_bytes = 0;                  ///< tc only
+  TraceCounters counters;                         ///< tc, mixed
+  size_t accel_memory_bytes = 0;                  ///< tc, mixed
   int threads = 0;                                ///< used
   std::optional<InstructionSet> instruction_set;  ///< of the tc kernels; unset: discrete rays
 };

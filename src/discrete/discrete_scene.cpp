@@ -40,6 +40,7 @@ void fill_buffer(RTCGeometry geometry, RTCBufferType type, unsigned slot, RTCFor
 /// of geometries too, but where they differ within one scene its version 3.13 loses triangles.
 struct Window {
   float begin = 0, end = 1;
+  bool moves = false;
   EmbreeScene scene;
 
   bool holds(float time) const { return begin <= time && (time < end || end == 1); }
@@ -62,7 +63,7 @@ struct DiscreteScene::Impl {
       validate_mesh(mesh);
       stats.triangles += mesh.triangles.size();
       if (mesh.triangles.empty() || !mesh.is_static()) continue;
-      if (windows.empty()) add_window(0, 1, options);
+      if (windows.empty()) add_window(0, 1, false, options);
       attach(windows.front(), mesh, {0, 0}, static_cast<uint32_t>(m));
       ++stats.static_geometries;
     }
@@ -74,7 +75,7 @@ struct DiscreteScene::Impl {
         const float run_begin = mesh.key_times[run.first], run_end = mesh.key_times[run.last];
         size_t w = first_moving;
         while (w < windows.size() && !(windows[w].begin == run_begin && windows[w].end == run_end)) ++w;
-        if (w == windows.size()) add_window(run_begin, run_end, options);
+        if (w == windows.size()) add_window(run_begin, run_end, true, options);
         attach(windows[w], mesh, run, static_cast<uint32_t>(m));
         ++stats.moving_geometries;
       }
@@ -88,8 +89,8 @@ struct DiscreteScene::Impl {
     stats.build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
 
-  void add_window(float begin, float end, const DiscreteOptions& options) {
-    windows.push_back({begin, end, EmbreeScene(rtcNewScene(device.get()))});
+  void add_window(float begin, float end, bool moves, const DiscreteOptions& options) {
+    windows.push_back({begin, end, moves, EmbreeScene(rtcNewScene(device.get()))});
     device.check();
     rtcSetSceneFlags(windows.back().scene.get(), options.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
   }
@@ -136,7 +137,7 @@ struct DiscreteScene::Impl {
 
   /// Up to kPacket rays; denormals must be zero already.
   void intersect_packet(std::span<const Ray> rays, std::span<const float> times,
-                        std::span<std::optional<DiscreteHit>> hits) const {
+                        std::span<std::optional<DiscreteHit>> hits, DiscreteLayer layer) const {
     RTCRayHit8 query{};
     for (size_t i = 0; i < rays.size(); ++i) {
       query.ray.org_x[i] = rays[i].origin.x;
@@ -153,6 +154,7 @@ struct DiscreteScene::Impl {
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     for (const Window& window : windows) {
+      if (layer == DiscreteLayer::still && window.moves) continue;
       alignas(32) int valid[kPacket]{};
       bool any = false;
       for (size_t i = 0; i < rays.size(); ++i) {
@@ -186,13 +188,13 @@ std::optional<DiscreteHit> DiscreteScene::intersect(const Ray& ray, float time) 
 }
 
 void DiscreteScene::intersect(std::span<const Ray> rays, std::span<const float> times,
-                              std::span<std::optional<DiscreteHit>> hits) const {
+                              std::span<std::optional<DiscreteHit>> hits, DiscreteLayer layer) const {
   if (rays.size() != times.size() || rays.size() != hits.size())
     throw Error(ErrorCode::bad_usage, "DiscreteScene", "as many rays as times and hits are needed");
   const DenormalsAreZero guard;
   for (size_t i = 0; i < rays.size(); i += kPacket) {
     const size_t count = std::min(kPacket, rays.size() - i);
-    impl_->intersect_packet(rays.subspan(i, count), times.subspan(i, count), hits.subspan(i, count));
+    impl_->intersect_packet(rays.subspan(i, count), times.subspan(i, count), hits.subspan(i, count), layer);
   }
 }
 

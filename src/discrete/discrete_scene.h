@@ -25,6 +25,12 @@ struct DiscreteOptions {
   bool robust = true;
 };
 
+/// Which meshes a ray is to see.
+enum class DiscreteLayer {
+  all,
+  still,  ///< those with a single key: a good deal cheaper where others move
+};
+
 struct DiscreteStats {
   double build_seconds = 0;
   size_t static_geometries = 0, moving_geometries = 0;  ///< Embree's: a mesh may be several
@@ -51,8 +57,8 @@ class DiscreteScene {
   /// The same for many rays, all spans of one length. Rays that lie next to each other and go about the same way are
   /// the cheapest: eight at a time go through the scene together. Which of two surfaces at exactly the same distance is
   /// hit may then depend on a ray's seven neighbours.
-  void intersect(std::span<const Ray> rays, std::span<const float> times,
-                 std::span<std::optional<DiscreteHit>> hits) const;
+  void intersect(std::span<const Ray> rays, std::span<const float> times, std::span<std::optional<DiscreteHit>> hits,
+                 DiscreteLayer layer = DiscreteLayer::all) const;
 
   const DiscreteStats& stats() const;
   /// Of Embree's copies and trees.

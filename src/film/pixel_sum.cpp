@@ -5,15 +5,17 @@
 namespace kairos {
 
 void PixelSum::add(const ShadedRay& ray) {
-  double covered = 0;
+  double filled = 0;
   for (const ShadedSegment& segment : ray.segments) {
     const double weight = ray.kind == ShadedRay::Kind::discrete
                               ? 1
                               : static_cast<double>(segment.end) - static_cast<double>(segment.begin);
-    covered += weight;
+    filled += weight;
+    covered_ += weight * static_cast<double>(segment.coverage);
     colour_ += to_double(segment.colour) * weight;
     normal_ += to_double(segment.normal) * weight;
     albedo_ += to_double(segment.albedo) * weight;
+    if (segment.mesh == kNoMesh) continue;
     depth_ = std::min({depth_, segment.dist_begin, segment.dist_end});
     if (!count_meshes_) continue;
     auto entry = std::find_if(mesh_weights_.begin(), mesh_weights_.end(),
@@ -21,8 +23,7 @@ void PixelSum::add(const ShadedRay& ray) {
     if (entry == mesh_weights_.end()) entry = mesh_weights_.insert(entry, {segment.mesh, 0});
     entry->second += weight;
   }
-  covered_ += covered;
-  colour_ += background_ * std::max(0.0, 1 - covered);
+  colour_ += background_ * std::max(0.0, 1 - filled);
   visibility_segments_ += ray.visibility_segments;
   ++rays_;
 }

@@ -16,7 +16,11 @@ struct ShadedSegment {
   Vec3f normal;                        ///< unit, world space; zero where undefined or not asked for
   Vec3f albedo;
   uint32_t mesh = 0, triangle = 0;
+  float coverage = 1;  ///< 1 where something is seen; 0 for background that is handed over with a colour of its own
 };
+
+/// ShadedSegment::mesh where no mesh is seen.
+inline constexpr uint32_t kNoMesh = 0xffffffffu;
 
 struct ShadedRay {
   enum class Kind {

@@ -46,6 +46,8 @@ inline constexpr uint32_t kRaysPerPoll = 64;
 
 std::unique_ptr<Integrator> make_tc_integrator(const Shot& shot, const RenderParams& params,
                                                const PixelContext& context, RenderStats& stats);
+std::unique_ptr<Integrator> make_mixed_integrator(const Shot& shot, const RenderParams& params,
+                                                  const PixelContext& context, RenderStats& stats);
 std::unique_ptr<Integrator> make_qmc_integrator(const Shot& shot, const PixelContext& context);
 
 }  // namespace kairos

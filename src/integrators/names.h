@@ -9,7 +9,9 @@
 namespace kairos {
 
 inline constexpr std::pair<std::string_view, IntegratorKind> kIntegratorNames[] = {{"tc", IntegratorKind::tc},
-                                                                                   {"qmc", IntegratorKind::qmc}};
+                                                                                   {"qmc", IntegratorKind::qmc},
+                                                                                   {"mixed", IntegratorKind::mixed},
+                                                                                   {"auto", IntegratorKind::automatic}};
 inline constexpr std::pair<std::string_view, SamplerKind> kSamplerNames[] = {
     {"owen-sobol", SamplerKind::owen_sobol},
     {"multi-jitter", SamplerKind::multi_jitter},

@@ -35,6 +35,34 @@ void check(const Projection& p, const RenderParams& params, const Crop& crop) {
   if (params.threads < 0) refuse("the number of threads must not be negative");
 }
 
+/// Sample points per pixel.
+int sample_count(const RenderParams& params) {
+  switch (params.integrator) {
+    case IntegratorKind::tc:
+      return params.tc_rays;
+    case IntegratorKind::qmc:
+    case IntegratorKind::automatic:
+      return params.spp;
+    case IntegratorKind::mixed:
+      return params.tc_rays < 1 ? params.tc_rays : std::max(params.spp, params.tc_rays);
+  }
+  return 0;
+}
+
+std::unique_ptr<Integrator> make_integrator(const Shot& shot, const RenderParams& params, const PixelContext& context,
+                                            RenderStats& stats) {
+  switch (params.integrator) {
+    case IntegratorKind::tc:
+      return make_tc_integrator(shot, params, context, stats);
+    case IntegratorKind::qmc:
+      break;
+    case IntegratorKind::automatic:
+    case IntegratorKind::mixed:
+      return make_mixed_integrator(shot, params, context, stats);
+  }
+  return make_qmc_integrator(shot, context);
+}
+
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -69,7 +97,8 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
   put("kairos:version", std::string(version()));
   put("kairos:integrator", std::string(name_of(kIntegratorNames, params.integrator)));
   put("kairos:samples", static_cast<int>(samples));
-  if (params.integrator == IntegratorKind::tc) put("kairos:shading_samples", params.shading_samples);
+  if (params.integrator == IntegratorKind::mixed) put("kairos:tc_rays", params.tc_rays);
+  if (params.integrator != IntegratorKind::qmc) put("kairos:shading_samples", params.shading_samples);
   put("kairos:sampler", std::string(name_of(kSamplerNames, params.sampler)));
   put("kairos:shading", std::string(name_of(kShadingNames, params.shading)));
   put("kairos:filter", std::string(name_of(kFilterNames, params.filter)));
@@ -88,8 +117,7 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
 Image render(const Shot& shot, const RenderParams& params, RenderStats* stats_out, const Progress& progress) {
   const Crop crop = params.crop.value_or(Crop{0, shot.projection.width, 0, shot.projection.height});
   check(shot.projection, params, crop);
-  const bool tc = params.integrator == IntegratorKind::tc;
-  const int samples = tc ? params.tc_rays : params.spp;
+  const int samples = sample_count(params);
   const bool want_normal = std::find(params.aovs.begin(), params.aovs.end(), Aov::normal) != params.aovs.end();
   const PixelContext context{CameraRays(shot.projection),
                              Sampler(params.sampler, static_cast<uint32_t>(std::max(samples, 0)), params.seed),
@@ -100,7 +128,7 @@ Image render(const Shot& shot, const RenderParams& params, RenderStats* stats_ou
   RenderStats stats;
   stats.threads = thread_count();
   auto start = std::chrono::steady_clock::now();
-  const auto integrator = tc ? make_tc_integrator(shot, params, context, stats) : make_qmc_integrator(shot, context);
+  const auto integrator = make_integrator(shot, params, context, stats);
   stats.build_seconds = seconds_since(start);
 
   start = std::chrono::steady_clock::now();

@@ -1,7 +1,6 @@
 // Time-continuous rays: exact visibility over the shutter, sampled over the pixel, shaded at instants.
 #include "integrators/integrator.h"
-#include "integrators/spread.h"
-#include "math/hash.h"
+#include "integrators/segment_shading.h"
 
 namespace kairos {
 
@@ -20,7 +19,10 @@ class TcIntegrator : public Integrator {
  private:
   class TcWorker : public Worker {
    public:
-    explicit TcWorker(const TcIntegrator& integrator) : integrator_(integrator), context_(integrator.context_) {}
+    explicit TcWorker(const TcIntegrator& integrator)
+        : integrator_(integrator),
+          context_(integrator.context_),
+          shading_(integrator.context_, integrator.shading_samples_) {}
 
     void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
@@ -29,13 +31,8 @@ class TcIntegrator : public Integrator {
         const SamplePoint point = context_.sampler.point(pixel, i);
         const Ray ray = context_.ray(x, y, point);
         const auto segments = integrator_.tracer_.trace(ray, Visibility::visible, workspace_);
-        const double share = unit_float(hash(pixel.seed, i, kShareDimension));
-        spread_samples(
-            segments, integrator_.shading_samples_, share, point.time,
-            [&](const Segment& s) { return context_.shader.varies(s.mesh); }, samples_);
         shaded_.clear();
-        for (const ShadingSample& sample : samples_) shaded_.push_back(shade(ray, segments[sample.segment], sample));
-        shading_samples_ += shaded_.size();
+        shading_.shade(ray, segments, pixel.seed, i, point.time, shaded_);
         sink.add({ShadedRay::Kind::tc, shaded_, static_cast<uint32_t>(segments.size())});
       }
     }
@@ -44,28 +41,15 @@ class TcIntegrator : public Integrator {
       stats.counters += workspace_.counters();
       stats.rays += workspace_.counters().rays;
       stats.segments += workspace_.counters().segments;
-      stats.shading_samples += shading_samples_;
+      stats.shading_samples += shading_.evaluations();
     }
 
    private:
-    static constexpr uint64_t kShareDimension = 3;  // beside x, y and time
-
-    ShadedSegment shade(const Ray& ray, const Segment& segment, const ShadingSample& sample) const {
-      const Shade shade = context_.shader.shade(ray, segment.mesh, segment.triangle, sample.time);
-      const auto dist_at = [&](float time) {
-        return segment.dist_begin +
-               (segment.dist_end - segment.dist_begin) * ((time - segment.begin) / segment.duration());
-      };
-      return {sample.begin, sample.end,   dist_at(sample.begin), dist_at(sample.end), shade.colour,
-              shade.normal, shade.albedo, segment.mesh,          segment.triangle};
-    }
-
     const TcIntegrator& integrator_;
     const PixelContext& context_;
     Tracer::Workspace workspace_;
-    std::vector<ShadingSample> samples_;
+    SegmentShading shading_;
     std::vector<ShadedSegment> shaded_;
-    uint64_t shading_samples_ = 0;
   };
 
   const PixelContext& context_;

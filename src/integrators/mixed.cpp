@@ -1,0 +1,257 @@
+// Time-continuous rays for what moves, discrete rays for what stands still, in one pixel. docs/method.md, "Static and
+// moving in one pixel".
+//
+// Let W_k be the share of the shutter in which time-continuous ray k sees the still layer (background included), S_k
+// that layer's colour along the ray, and L_k all of what the ray sees. Still rays are cheap, so there are more of them.
+// With their mean S and the mean S' over those that lie on the time-continuous rays' own places, the control variate
+//   I = mean_k(L_k) + mean_k(W_k) (S - S')
+// takes from the still layer the noise of the few rays and puts in that of the many. It is handed on as segments: the
+// still parts of every ray get the colour L_k's sample had, plus (S - S'), which sums to the same.
+#include "discrete/discrete_scene.h"
+#include "integrators/allotment.h"
+#include "integrators/integrator.h"
+#include "integrators/motion_mask.h"
+#include "integrators/segment_shading.h"
+
+namespace kairos {
+
+namespace {
+
+/// What the still layer shows: a colour and the values of the AOVs. Sums and differences of it make sense.
+struct Look {
+  Vec3f colour, normal, albedo;
+  float coverage = 0;
+
+  Look& operator+=(const Look& other) {
+    colour += other.colour;
+    normal += other.normal;
+    albedo += other.albedo;
+    coverage += other.coverage;
+    return *this;
+  }
+  friend Look operator*(const Look& a, float s) { return {a.colour * s, a.normal * s, a.albedo * s, a.coverage * s}; }
+};
+
+class MixedIntegrator : public Integrator {
+ public:
+  MixedIntegrator(const Shot& shot, const RenderParams& params, const PixelContext& context)
+      : shot_(shot),
+        context_(context),
+        automatic_(params.integrator == IntegratorKind::automatic),
+        fixed_plan_{static_cast<uint32_t>(params.tc_rays), context.sampler.count()},
+        shading_samples_(params.shading_samples),
+        mask_(shot, context.filter.radius()),
+        scene_(shot.meshes),
+        tracer_(shot.meshes, {Precision::fast, params.instruction_set}) {}
+
+  std::unique_ptr<Worker> make_worker() const override { return std::make_unique<MixedWorker>(*this); }
+  const Tracer& tracer() const { return tracer_; }
+
+ private:
+  /// For a pixel in which things move.
+  PixelPlan plan(int x, int y) const {
+    return automatic_ ? allot(context_.sampler.count(), mask_.speed(x, y), RayPrices{}) : fixed_plan_;
+  }
+
+  class MixedWorker : public Worker {
+   public:
+    explicit MixedWorker(const MixedIntegrator& integrator)
+        : integrator_(integrator), context_(integrator.context_), shading_(context_, integrator.shading_samples_) {}
+
+    void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
+      const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
+      if (!integrator_.mask_.moves(x, y)) return render_discrete(x, y, pixel, DiscreteLayer::still, sink, monitor);
+      const PixelPlan plan = integrator_.plan(x, y);
+      if (plan.tc_rays == 0) return render_discrete(x, y, pixel, DiscreteLayer::all, sink, monitor);
+      render_moving(x, y, pixel, plan, sink, monitor);
+    }
+
+    void add_counts(RenderStats& stats) const override {
+      stats.counters += workspace_.counters();
+      stats.rays += workspace_.counters().rays + discrete_rays_;
+      stats.segments += workspace_.counters().segments + discrete_hits_;
+      stats.shading_samples += shading_.evaluations() + discrete_hits_;
+    }
+
+   private:
+    /// Discrete samples over pixel and shutter.
+    void render_discrete(int x, int y, const Sampler::Pixel& pixel, DiscreteLayer layer, RaySink& sink,
+                         Monitor& monitor) {
+      const auto use = [&](const Ray& ray, float time, const auto& hit) {
+        if (!hit) return sink.add({ShadedRay::Kind::discrete, {}, 0});
+        const ShadedSegment seen = shade_hit(ray, time, *hit);
+        sink.add({ShadedRay::Kind::discrete, {&seen, 1}, 1});
+      };
+      trace_discrete(x, y, pixel, context_.sampler.count(), layer, monitor, use);
+    }
+
+    void render_moving(int x, int y, const Sampler::Pixel& pixel, const PixelPlan& plan, RaySink& sink,
+                       Monitor& monitor) {
+      const uint32_t count = plan.tc_rays;
+      shaded_.clear();
+      rays_.clear();
+      double still = 0;
+      for (uint32_t i = 0; i < count; ++i) {
+        if (i % kRaysPerPoll == 0) monitor.poll();
+        const SamplePoint point = context_.sampler.point(pixel, i);
+        const Ray ray = context_.ray(x, y, point);
+        const auto segments = integrator_.tracer_.trace(ray, Visibility::visible, workspace_);
+        const size_t first = shaded_.size();
+        shading_.shade(ray, segments, pixel.seed, i, point.time, shaded_);
+        still += fill_background(first);
+        rays_.push_back({first, shaded_.size(), static_cast<uint32_t>(segments.size())});
+      }
+      if (still > 0) {
+        const Look correction = still_correction(x, y, pixel, plan, monitor);
+        for (ShadedSegment& part : shaded_)
+          if (is_still(part)) add_to(part, correction);
+      }
+      for (const RayParts& ray : rays_)
+        sink.add({ShadedRay::Kind::tc, std::span(shaded_).subspan(ray.begin, ray.end - ray.begin), ray.segments});
+    }
+
+    /// S - S' above. The still layer is looked at when it is seen: at instants spread over the time in which the
+    /// pixel's time-continuous rays see it, so that a colour that changes with time is weighted as it should be.
+    Look still_correction(int x, int y, const Sampler::Pixel& pixel, const PixelPlan& plan, Monitor& monitor) {
+      collect_still_time();
+      const uint32_t count = plan.tc_rays;
+      Look all, own;
+      uint32_t index = 0;
+      const auto use = [&](const Ray& ray, float time, const auto& hit) {
+        Look look{integrator_.shot_.background, {}, {}, 0};
+        if (hit) {
+          const ShadedSegment seen = shade_hit(ray, still_time(time), *hit);
+          look = {seen.colour, seen.normal, seen.albedo, 1};
+        }
+        all += look;
+        if (index++ < count) own += look;
+      };
+      trace_discrete(x, y, pixel, std::max(count, plan.discrete), DiscreteLayer::still, monitor, use);
+      Look correction = all * (1 / static_cast<float>(index));
+      correction += own * (-1 / static_cast<float>(count));
+      return correction;
+    }
+
+    /// Calls use(ray, time, hit) for the pixel's first `count` samples.
+    template <class Use>
+    void trace_discrete(int x, int y, const Sampler::Pixel& pixel, uint32_t count, DiscreteLayer layer,
+                        Monitor& monitor, const Use& use) {
+      for (uint32_t begin = 0; begin < count; begin += kRaysPerPoll) {
+        monitor.poll();
+        const uint32_t size = std::min(kRaysPerPoll, count - begin);
+        for (uint32_t i = 0; i < size; ++i) {
+          const SamplePoint point = context_.sampler.point(pixel, begin + i);
+          batch_[i] = context_.ray(x, y, point);
+          times_[i] = point.time;
+        }
+        integrator_.scene_.intersect(std::span(batch_).first(size), std::span(times_).first(size),
+                                     std::span(hits_).first(size), layer);
+        discrete_rays_ += size;
+        for (uint32_t i = 0; i < size; ++i) {
+          discrete_hits_ += hits_[i].has_value();
+          use(batch_[i], times_[i], hits_[i]);
+        }
+      }
+    }
+
+    ShadedSegment shade_hit(const Ray& ray, float time, const DiscreteHit& hit) const {
+      const Shade shade = context_.shader.shade(ray, hit.mesh, hit.triangle, time);
+      return {time, time, hit.dist, hit.dist, shade.colour, shade.normal, shade.albedo, hit.mesh, hit.triangle};
+    }
+
+    bool is_still(const ShadedSegment& part) const {
+      return part.mesh == kNoMesh || integrator_.shot_.meshes[part.mesh].is_static();
+    }
+
+    /// Puts segments of background into the gaps of the ray whose parts begin at `first`; returns how long it sees what
+    /// is still.
+    double fill_background(size_t first) {
+      const size_t end = shaded_.size();
+      double still = 0;
+      float from = 0;
+      const auto fill_until = [&](float time) {
+        if (time <= from) return;
+        ShadedSegment gap{from, time, INFINITY, INFINITY, integrator_.shot_.background, {}, {}, kNoMesh, 0};
+        gap.coverage = 0;
+        shaded_.push_back(gap);
+        still += time - from;
+      };
+      for (size_t i = first; i < end; ++i) {
+        fill_until(shaded_[i].begin);
+        from = shaded_[i].end;
+        if (is_still(shaded_[i])) still += shaded_[i].end - shaded_[i].begin;
+      }
+      fill_until(1);
+      return still;
+    }
+
+    /// The stretches in which the pixel's rays see what is still, one after the other, with the running sum of
+    /// durations.
+    void collect_still_time() {
+      stretches_.clear();
+      double sum = 0;
+      for (const ShadedSegment& part : shaded_)
+        if (is_still(part)) {
+          sum += static_cast<double>(part.end) - static_cast<double>(part.begin);
+          stretches_.push_back({part.begin, part.end, sum});
+        }
+    }
+    /// The instant at the share `place`, 0 to 1, of these stretches.
+    float still_time(float place) const {
+      const double wanted = static_cast<double>(place) * stretches_.back().sum;
+      const auto at = std::lower_bound(stretches_.begin(), stretches_.end(), wanted,
+                                       [](const Stretch& stretch, double value) { return stretch.sum < value; });
+      const Stretch& stretch = at == stretches_.end() ? stretches_.back() : *at;
+      return std::clamp(stretch.end - static_cast<float>(stretch.sum - wanted), stretch.begin, stretch.end);
+    }
+
+    static void add_to(ShadedSegment& part, const Look& correction) {
+      part.colour += correction.colour;
+      part.normal += correction.normal;
+      part.albedo += correction.albedo;
+      part.coverage += correction.coverage;
+    }
+
+    struct RayParts {
+      size_t begin, end;  // of shaded_
+      uint32_t segments;
+    };
+    struct Stretch {
+      float begin, end;
+      double sum;
+    };
+
+    const MixedIntegrator& integrator_;
+    const PixelContext& context_;
+    Tracer::Workspace workspace_;
+    SegmentShading shading_;
+    std::vector<ShadedSegment> shaded_;  // of all of a pixel's time-continuous rays
+    std::vector<RayParts> rays_;
+    std::vector<Stretch> stretches_;
+    std::array<Ray, kRaysPerPoll> batch_;
+    std::array<float, kRaysPerPoll> times_{};
+    std::array<std::optional<DiscreteHit>, kRaysPerPoll> hits_;
+    uint64_t discrete_rays_ = 0, discrete_hits_ = 0;
+  };
+
+  const Shot& shot_;
+  const PixelContext& context_;
+  bool automatic_;        // plan per pixel
+  PixelPlan fixed_plan_;  // else
+  int shading_samples_;
+  MotionMask mask_;
+  DiscreteScene scene_;
+  Tracer tracer_;
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_mixed_integrator(const Shot& shot, const RenderParams& params,
+                                                  const PixelContext& context, RenderStats& stats) {
+  auto integrator = std::make_unique<MixedIntegrator>(shot, params, context);
+  stats.instruction_set = integrator->tracer().instruction_set();
+  stats.accel_memory_bytes = integrator->tracer().memory_bytes();
+  return integrator;
+}
+
+}  // namespace kairos
