@@ -63,11 +63,12 @@ bool same_pixels(const Image& a, const Image& b) {
   return a.channels.size() == b.channels.size();
 }
 
-const IntegratorKind kBoth[] = {IntegratorKind::tc, IntegratorKind::qmc};
+const IntegratorKind kAll[] = {IntegratorKind::tc, IntegratorKind::qmc, IntegratorKind::mixed,
+                               IntegratorKind::automatic};
 
 TEST(Render, RowZeroIsTheTopAndColumnZeroTheLeft) {
   const Shot shot = shot_of({bar(3, 7, 2, 5)});
-  for (const auto integrator : kBoth) {
+  for (const auto integrator : kAll) {
     const Image image = render(shot, flat(integrator, 4));
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) {
@@ -139,7 +140,7 @@ TEST(Render, DiscreteRaysConvergeToTheSame) {
 TEST(Render, BitIdenticalForAnyNumberOfThreadsAndAnyCrop) {
   Shot shot = shot_of({bar(4, 6, 0, kHeight, 16), bar(8, 30, 3.3f, 17.1f, -9, 2)});
   shot.meshes[0].name = "front";
-  for (const auto integrator : kBoth)
+  for (const auto integrator : kAll)
     for (const auto filter : {FilterKind::box, FilterKind::gaussian, FilterKind::blackman_harris}) {
       RenderParams params = flat(integrator, 9);
       params.filter = filter;
@@ -263,7 +264,7 @@ TEST(Render, RefusesParametersOutOfRange) {
 TEST(Render, NothingToSeeIsBackground) {
   Shot shot = shot_of({});
   shot.background = {0.5f, 0.25f, 2};
-  for (const auto integrator : kBoth) {
+  for (const auto integrator : kAll) {
     const Image image = render(shot, flat(integrator, 3));
     EXPECT_EQ(at(image, "R", 3, 3), 0.5f);
     EXPECT_EQ(at(image, "B", 39, 23), 2.0f);

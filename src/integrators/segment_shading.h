@@ -14,10 +14,7 @@ namespace kairos {
 class SegmentShading {
  public:
   /// samples: per ray, see spread_samples.
-  SegmentShading(const PixelContext& context, int samples)
-      : context_(context),
-        // Where all instants of a segment look the same, the one sample that each gets is exact.
-        samples_per_ray_(context.shader.varies() ? samples : 1) {}
+  SegmentShading(const PixelContext& context, int samples) : context_(context), samples_per_ray_(samples) {}
 
   /// Appends the shaded parts of the segments of ray `index` of a pixel to `out`. phase: see spread_samples.
   void shade(const Ray& ray, std::span<const Segment> segments, uint64_t pixel_seed, uint32_t index, float phase,

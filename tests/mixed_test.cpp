@@ -1,0 +1,170 @@
+// Time-continuous and discrete rays in one pixel: the mask of what moves, the allotment of rays, and that the mixture
+// is neither biased nor noisier than its parts.
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include <kairos/render.h>
+
+#include "integrators/allotment.h"
+#include "integrators/camera_rays.h"
+#include "integrators/motion_mask.h"
+#include "soup.h"
+
+namespace kairos {
+namespace {
+
+constexpr int kWidth = 48, kHeight = 32;
+
+Shot shot_of(std::vector<Mesh> meshes) {
+  Shot shot;
+  shot.meshes = std::move(meshes);
+  shot.background = {0.2f, 0.4f, 0.1f};
+  shot.materials.resize(shot.meshes.size());
+  for (size_t m = 0; m < shot.meshes.size(); ++m) {
+    shot.meshes[m].material = static_cast<uint32_t>(m);
+    shot.materials[m].base_color = {1.0f / static_cast<float>(m + 1), static_cast<float>(m % 3) / 2, 0.5f};
+  }
+  shot.projection.width = kWidth;
+  shot.projection.height = kHeight;
+  return shot;
+}
+
+Mesh still_soup(std::mt19937& random, uint32_t count) {
+  Mesh mesh = test::random_soup(random, test::Motion::still, count);
+  mesh.positions.resize(1);
+  return mesh;
+}
+
+TEST(MotionMask, HoldsEveryPixelInWhichSomethingMovingIsSeen) {
+  std::mt19937 random(test::seed());
+  for (const test::Motion motion : test::kAllMotions) {
+    if (motion == test::Motion::still) continue;
+    const Shot shot = shot_of({still_soup(random, 5), test::random_soup(random, motion, 4)});
+    const MotionMask mask(shot, 0.5);
+    const Tracer tracer(shot.meshes);
+    Tracer::Workspace workspace;
+    const CameraRays camera(shot.projection);
+    size_t moving = 0;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        for (const double offset : {0.01, 0.5, 0.99})
+          for (const Segment& s : tracer.trace(camera.at(x + offset, y + offset), Visibility::all, workspace))
+            if (s.mesh == 1) {
+              ++moving;
+              ASSERT_TRUE(mask.moves(x, y)) << x << ' ' << y << " motion " << int(motion);
+            }
+    EXPECT_GT(moving, 0u);
+  }
+}
+
+TEST(MotionMask, KnowsHowFastAndLeavesOutWhatStandsStill) {
+  Mesh bar;
+  bar.triangles = {{0, 1, 2}};
+  bar.key_times = {0, 1};
+  const double pixel = 2 * std::tan(Projection{}.vfov / 2) / kHeight;  // at distance 1
+  const float step = static_cast<float>(5 * pixel), size = static_cast<float>(2 * pixel);
+  bar.positions = {{{0, 0, -1}, {size, 0, -1}, {0, size, -1}}, {{step, 0, -1}, {step + size, 0, -1}, {step, size, -1}}};
+  Mesh still = bar;
+  still.positions.resize(1);
+  const MotionMask mask(shot_of({bar, still}), 0);
+  EXPECT_NEAR(mask.speed(kWidth / 2 + 3, kHeight / 2 - 1), 5, 0.05);
+  EXPECT_FALSE(mask.moves(kWidth / 2 + 12, kHeight / 2 - 1));
+  EXPECT_FALSE(mask.moves(kWidth / 2 + 3, kHeight / 2 + 4));
+  EXPECT_FALSE(mask.moves(0, 0));
+  EXPECT_TRUE(MotionMask(shot_of({still}), 0).empty());
+}
+
+TEST(Allotment, SpendsNoMoreThanTheBudgetAndGoesByWorth) {
+  const RayPrices prices;
+  for (const double speed : {0.0, 0.3, 1.0, 10.0, 1000.0})
+    for (const uint32_t budget : {1u, 4u, 16u, 64u, 256u, 4096u}) {
+      const PixelPlan plan = allot(budget, speed, prices);
+      EXPECT_GE(plan.discrete, 1u);
+      EXPECT_LE(plan.tc_rays * prices.tc_ray + (plan.tc_rays > 0 ? plan.discrete * prices.still_ray : 0.0), budget);
+      if (plan.tc_rays > 0) {
+        EXPECT_GT(worth(plan.tc_rays, speed), budget);
+      }
+    }
+  EXPECT_EQ(allot(256, 0.1, prices).tc_rays, 0u) << "slow motion is not worth it";
+  EXPECT_EQ(allot(4, 1000, prices).tc_rays, 0u) << "too little for one";
+  EXPECT_GT(allot(256, 50, prices).tc_rays, 0u);
+}
+
+RenderParams params_of(IntegratorKind kind, int tc_rays, int spp, uint64_t seed) {
+  RenderParams params;
+  params.integrator = kind;
+  params.shading = ShadingKind::flat;
+  params.tc_rays = tc_rays;
+  params.spp = spp;
+  params.seed = seed;
+  params.aovs = {Aov::coverage, Aov::depth};
+  return params;
+}
+
+double mean_square_difference(const Image& a, const Image& b, const char* channel) {
+  double sum = 0;
+  const auto &va = a.find(channel)->values, &vb = b.find(channel)->values;
+  for (size_t i = 0; i < va.size(); ++i) sum += (double(va[i]) - vb[i]) * (double(va[i]) - vb[i]);
+  return sum / static_cast<double>(va.size());
+}
+
+/// Still and moving triangles that hide each other, in front of a background.
+Shot busy_shot() {
+  std::mt19937 random(4);
+  return shot_of({still_soup(random, 12), test::random_soup(random, test::Motion::deform, 8), still_soup(random, 12)});
+}
+
+TEST(Mixed, ConvergesToThePictureOfTimeContinuousRays) {
+  const Shot shot = busy_shot();
+  const Image reference = render(shot, params_of(IntegratorKind::tc, 4096, 1, 1));
+  // Ten decibels less error for four times the rays, down to below the reference's own: a bias would stop it.
+  for (const char* channel : {"R", "G", "B", "coverage.A"}) {
+    double before = INFINITY;
+    for (const int rays : {4, 16, 64, 256}) {
+      const Image mixed = render(shot, params_of(IntegratorKind::mixed, rays, 4 * rays, 2));
+      const double error = mean_square_difference(mixed, reference, channel);
+      EXPECT_LT(error, before / 3) << channel << ' ' << rays;
+      before = error;
+    }
+    EXPECT_LT(10 * std::log10(before), -60) << channel;
+  }
+}
+
+TEST(Mixed, CheapStillRaysTakeTheNoiseOfWhatStandsStill) {
+  const Shot shot = busy_shot();
+  const Image reference = render(shot, params_of(IntegratorKind::tc, 4096, 1, 1));
+  const auto error = [&](IntegratorKind kind, int spp) {
+    return mean_square_difference(render(shot, params_of(kind, 4, spp, 2)), reference, "R");
+  };
+  EXPECT_LT(error(IntegratorKind::mixed, 64), 0.6 * error(IntegratorKind::tc, 4));
+}
+
+TEST(Mixed, IsQmcWhereNothingMoves) {
+  std::mt19937 random(9);
+  const Shot shot = shot_of({still_soup(random, 30)});
+  const Image qmc = render(shot, params_of(IntegratorKind::qmc, 4, 16, 3));
+  for (const IntegratorKind kind : {IntegratorKind::mixed, IntegratorKind::automatic}) {
+    const Image image = render(shot, params_of(kind, 4, 16, 3));
+    for (const char* channel : {"R", "G", "B", "coverage.A", "depth.Z"})
+      EXPECT_EQ(image.find(channel)->values, qmc.find(channel)->values) << channel;
+  }
+}
+
+TEST(Mixed, AutomaticIsNoWorseThanQmcOfItsBudget) {
+  const Shot shot = busy_shot();
+  const Image reference = render(shot, params_of(IntegratorKind::tc, 4096, 1, 1));
+  for (const int spp : {4, 16, 64, 256}) {
+    double automatic = 0, qmc = 0;
+    for (const uint64_t seed : {5u, 6u, 7u, 8u}) {
+      automatic +=
+          mean_square_difference(render(shot, params_of(IntegratorKind::automatic, 1, spp, seed)), reference, "R");
+      qmc += mean_square_difference(render(shot, params_of(IntegratorKind::qmc, 1, spp, seed)), reference, "R");
+    }
+    EXPECT_LT(10 * std::log10(automatic / qmc), 0.3) << spp;
+  }
+}
+
+}  // namespace
+}  // namespace kairos
