@@ -41,7 +41,7 @@ TEST_F(CliUsage, BadUsageIsStatusTwoAndOneLine) {
                                        render + "--seed -1",
                                        render + "--seed 18446744073709551616",
                                        render + "--threads -1",
-                                       render + "--integrator mixed",
+                                       render + "--integrator bidirectional",
                                        render + "--sampler sobol",
                                        render + "--shading whitted",
                                        render + "--filter triangle",

@@ -59,6 +59,17 @@ TEST(MotionMask, HoldsEveryPixelInWhichSomethingMovingIsSeen) {
   }
 }
 
+TEST(MotionMask, FollowsPathsPastTheCamera) {
+  // From straight ahead to behind the camera on the right: on screen it leaves by the right border.
+  Mesh bar;
+  bar.triangles = {{0, 1, 2}};
+  bar.key_times = {0, 1};
+  bar.positions = {{{0, 0, -1}, {0.1f, 0, -1}, {0, 0.1f, -1}}, {{1, 0, 1}, {1.1f, 0, 1}, {1, 0.1f, 1}}};
+  const MotionMask mask(shot_of({bar}), 0);
+  for (int x = kWidth / 2 + 1; x < kWidth; ++x) EXPECT_TRUE(mask.moves(x, kHeight / 2 - 1)) << x;
+  EXPECT_FALSE(mask.moves(kWidth / 2 - 2, kHeight / 2 - 1));
+}
+
 TEST(MotionMask, KnowsHowFastAndLeavesOutWhatStandsStill) {
   Mesh bar;
   bar.triangles = {{0, 1, 2}};
