@@ -26,28 +26,30 @@ constexpr double kSameSurface = 1e-5, kSameDistance = 1e-4;
 /// What float positions resolve, as a part of their distance from the origin.
 constexpr double kResolved = 2e-6;
 
+/// Where a ray meets a triangle's plane.
 struct Point {
   double dist = 0;
-  double resolved =
-      0;  ///< by how much it may be off, since positions are floats: the more, the flatter the ray meets it
-  std::array<double, 3> barycentric{};
-
-  bool near_edge() const { return std::min({barycentric[0], barycentric[1], barycentric[2]}) < kNearEdge; }
+  /// By how much dist may be off since positions are floats: the more, the flatter the ray meets the plane.
+  double resolved = 0;
+  /// So near to an edge that either side of it may be right: by kNearEdge, or by what float positions resolve.
+  bool near_edge = false;
 };
 
-/// Where the ray meets the triangle's plane at a time.
 Point meet(const Mesh& mesh, uint32_t triangle, const Ray& ray, double time) {
   std::array<Vec3d, 3> p;
   for (size_t v = 0; v < 3; ++v) p[v] = position_at(mesh, mesh.triangles[triangle][v], time) - to_double(ray.origin);
   const Vec3d d = to_double(ray.direction);
-  Point point;
-  for (size_t v = 0; v < 3; ++v) point.barycentric[v] = dot(d, cross(p[(v + 1) % 3], p[(v + 2) % 3]));
-  const double sum = point.barycentric[0] + point.barycentric[1] + point.barycentric[2];
-  for (double& b : point.barycentric) b /= sum;
-  point.dist = dot(p[0], cross(p[1], p[2])) / sum;
   const Vec3d normal = cross(p[1] - p[0], p[2] - p[0]);
-  const double reach = length(to_double(ray.origin)) + length(p[0]);
-  point.resolved = kResolved * reach * length(normal) / std::abs(dot(normal, d));
+  const double across = dot(normal, d), resolution = kResolved * (length(to_double(ray.origin)) + length(p[0]));
+  Point point;
+  point.dist = dot(p[0], normal) / across;
+  point.resolved = resolution * length(normal) / std::abs(across);
+  for (size_t v = 0; v < 3; ++v) {
+    const Vec3d a = p[(v + 1) % 3], b = p[(v + 2) % 3];
+    const double side = dot(d, cross(a, b));
+    const double off = std::abs(side) / length(cross(d, b - a));  // from the ray to the edge's line
+    point.near_edge |= side / across < kNearEdge || off < resolution;
+  }
   return point;
 }
 
@@ -102,15 +104,15 @@ bool agree(const Shot& shot, const Ray& ray, double time, const Segment* seen, c
     if (std::abs(point.dist - hit->dist) <= point.resolved + (same ? kSameDistance : kSameSurface) * point.dist)
       return true;
   }
-  const auto doubtful = [&](const Point& p) { return p.near_edge() || std::abs(p.dist) <= p.resolved; };
+  const auto doubtful = [&](const Point& p) { return p.near_edge || std::abs(p.dist) <= p.resolved; };
   return (seen && doubtful(point)) || (hit && doubtful(other));
 }
 
 /// The distances that a segment claims at its ends, against the triangle's plane at those times.
 bool right_at_ends(const Shot& shot, const Ray& ray, const Segment& segment) {
-  // From just inside: at a jump's very instant the mesh is elsewhere. Towards an end at which the triangle is seen edge
-  // on the distance runs away from the line between both.
-  constexpr double kInside = 1e-7, kClose = 1e-3;
+  // From just inside, since at a jump the mesh is elsewhere, and ends may have been moved by a millionth to meet
+  // others.
+  constexpr double kInside = 2e-6, kClose = 1e-3;
   const double far = std::max(segment.dist_begin, segment.dist_end);
   const auto right = [&](double time, double dist) {
     const Point point = meet(shot.meshes[segment.mesh], segment.triangle, ray, time);

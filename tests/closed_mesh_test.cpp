@@ -132,7 +132,8 @@ void expect_closed(const Mesh& mesh, float origin_size, int rays, const TracerOp
     const Ray ray = aimed_ray(mesh, random_vector(random, origin_size), random);
     const auto fills = fills_the_shutter(tracer.trace(ray, Visibility::visible, workspace));
     broken += !fills;
-    EXPECT_TRUE(fills) << text_of(ray) << " " << to_string(tracer.instruction_set());
+    EXPECT_TRUE(fills) << text_of(ray) << " " << to_string(tracer.instruction_set())
+                       << (options.precision == Precision::fast ? " fast" : " exact");
   }
 }
 
