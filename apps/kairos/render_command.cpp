@@ -88,7 +88,9 @@ std::string stats_text(const RenderArguments& arguments, const Shot& shot, const
   json["seed"] = params.seed;
   // Embree does not count its work: null, rather than a number that is not known.
   nlohmann::ordered_json& counters = json["counters"];
-  const auto counted = [&](uint64_t count) { return discrete_only ? nlohmann::ordered_json() : nlohmann::ordered_json(count); };
+  const auto counted = [&](uint64_t count) {
+    return discrete_only ? nlohmann::ordered_json() : nlohmann::ordered_json(count);
+  };
   counters["nodes"] = counted(stats.counters.nodes);
   counters["triangles_tested"] = counted(stats.counters.triangles);
   counters["root_solves"] = counted(stats.counters.root_solves);
@@ -177,12 +179,16 @@ void add_picture_options(CLI::App& app, RenderArguments& out) {
 void add_sampling_options(CLI::App& app, RenderArguments& out) {
   constexpr uint64_t kMostSamples = 1u << 20, kMostShadingSamples = 1u << 16;
   RenderParams& params = out.params;
-  add_choice(app, "--integrator", params.integrator, kIntegratorNames,
-             "tc: time-continuous rays, exact in time; qmc: discrete rays; mixed: tc where anything moves, discrete rays "
-             "for what stands still; auto: mixed, rays chosen per pixel for the time of --spp discrete samples");
-  add_count(app, "--tc-rays", params.tc_rays, 1, kMostSamples, "Rays per pixel of tc, and of mixed where anything moves");
-  add_count(app, "--shading-samples", params.shading_samples, 1, kMostShadingSamples, "Shading samples per time-continuous ray");
-  add_count(app, "--spp", params.spp, 1, kMostSamples, "Samples per pixel of qmc; of mixed: discrete rays; of auto: the budget");
+  add_choice(
+      app, "--integrator", params.integrator, kIntegratorNames,
+      "tc: time-continuous rays, exact in time; qmc: discrete rays; mixed: tc where anything moves, discrete rays "
+      "for what stands still; auto: mixed, rays chosen per pixel for the time of --spp discrete samples");
+  add_count(app, "--tc-rays", params.tc_rays, 1, kMostSamples,
+            "Rays per pixel of tc, and of mixed where anything moves");
+  add_count(app, "--shading-samples", params.shading_samples, 1, kMostShadingSamples,
+            "Shading samples per time-continuous ray");
+  add_count(app, "--spp", params.spp, 1, kMostSamples,
+            "Samples per pixel of qmc; of mixed: discrete rays; of auto: the budget");
   add_choice(app, "--sampler", params.sampler, kSamplerNames, "Where in the pixel, and when, samples are taken");
   add_choice(app, "--shading", params.shading, kShadingNames, "normal: |normal| as colour; flat: base colour, unlit");
   add_count(app, "--seed", params.seed, 0, UINT64_MAX, "Another seed gives another noise");

@@ -54,8 +54,8 @@ struct RenderParams {
   int tc_rays = 16;         ///< tc: rays per pixel; mixed: the same, where anything moves; 1 to 2^20
   int shading_samples = 8;  ///< per time-continuous ray, over its segments by duration, at least one in each (and no
                             ///< more where nothing changes); 1 to 2^16
-  int spp = 64;  ///< qmc: samples per pixel; mixed: rays to what stands still; automatic: the budget, in the
-                 ///< time of samples of qmc; 1 to 2^20
+  int spp = 64;             ///< qmc: samples per pixel; mixed: rays to what stands still; automatic: the budget, in the
+                            ///< time of samples of qmc; 1 to 2^20
   SamplerKind sampler = SamplerKind::owen_sobol;
   ShadingKind shading = ShadingKind::normal;
   FilterKind filter = FilterKind::box;
