@@ -12,7 +12,7 @@
 #include <kairos/version.h>
 
 #include "cli.h"
-#include "output/exr.h"
+#include "image/read_exr.h"
 
 namespace kairos {
 namespace {

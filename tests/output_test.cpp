@@ -12,8 +12,8 @@
 #include <kairos/image.h>
 
 #include "base/file.h"
+#include "image/read_exr.h"
 #include "output/atomic_file.h"
-#include "output/exr.h"
 #include "output/png.h"
 
 namespace kairos {

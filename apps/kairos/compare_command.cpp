@@ -6,10 +6,10 @@
 
 #include "arguments.h"
 #include "commands.h"
+#include "image/read_exr.h"
 #include "interrupt.h"
 #include "output/atomic_file.h"
 #include "output/compare.h"
-#include "output/exr.h"
 
 namespace kairos::cli {
 

@@ -116,6 +116,7 @@ void add_info_command(CLI::App& app, Action& chosen) {
   add_scene_arguments(command, arguments->scene);
   command.add_flag("--json", arguments->json, "As JSON");
   command.callback([arguments, &chosen] {
+    arguments->scene.shot.textures = false;
     arguments->scene.shot.strict = arguments->scene.load.strict;
     chosen = [arguments] { run_info(*arguments); };
   });

@@ -118,6 +118,7 @@ void add_query_command(CLI::App& app, Action& chosen) {
   command.add_flag("--all", arguments->all, "Every triangle met, hidden or not");
   add_instruction_set(command, arguments->instruction_set);
   command.callback([arguments, &chosen] {
+    arguments->scene.shot.textures = false;
     arguments->scene.shot.strict = arguments->scene.load.strict;
     chosen = [arguments] { run_query(*arguments); };
   });

@@ -209,6 +209,9 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
   command.add_flag("--quiet", arguments->quiet, "No log and no progress, errors only");
   command.callback([arguments, &chosen] {
     arguments->params.threads = arguments->scene.threads;
+    const std::vector<Aov>& aovs = arguments->params.aovs;
+    arguments->scene.shot.textures = arguments->params.shading != ShadingKind::normal ||
+                                     std::find(aovs.begin(), aovs.end(), Aov::albedo) != aovs.end();
     arguments->scene.shot.strict = arguments->scene.load.strict;
     chosen = [arguments] { run_render(*arguments); };
   });

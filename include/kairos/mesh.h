@@ -25,7 +25,7 @@ struct Mesh {
   std::vector<float> key_times;               ///< [key], shutter time
   std::vector<std::vector<Vec3f>> positions;  ///< [key][vertex]
   std::vector<std::vector<Vec3f>> normals;    ///< empty, or [1 or key][vertex]; unit, world space
-  std::vector<Vec2f> uvs;                     ///< empty, or [vertex]
+  std::vector<Vec2f> uvs;                     ///< empty, or [vertex]; (0, 0) is a picture's upper left corner
   std::vector<uint32_t> prim_ids;  ///< empty, or [triangle]: its number in the source, where some were dropped
   uint32_t material = 0;
 

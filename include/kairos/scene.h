@@ -26,7 +26,10 @@ struct Material {
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5f;
   bool double_sided = true;
-  std::string base_color_texture;  ///< path of an image, empty for none
+  // Pictures that multiply the values above: paths, or names of Scene's embedded pictures; empty for none.
+  std::string base_color_texture;  ///< its alpha multiplies `alpha`
+  std::string emission_texture;
+  std::string metallic_roughness_texture;  ///< roughness in green, metallic in blue, not sRGB
 };
 
 struct PointLight {
@@ -74,8 +77,16 @@ struct ShotOptions {
   std::optional<double> frame, fps;  ///< shutter times below are (frame + open) / fps when any of these is given
   std::optional<std::array<double, 2>> shutter;  ///< open, close, in frames
   int width = 0, height = 0;                     ///< 0: the scene's own, else 960x540
+  bool textures = true;                          ///< read the materials' pictures: flat and Whitted shading want them
   double motion_tolerance = 0.1;  ///< pixels: how far linear motion between keys may leave a vertex's true path
-  bool strict = false;            ///< a bad triangle is an error, not a note
+  bool strict = false;            ///< a bad triangle or picture is an error, not a note
+};
+
+class Texture;
+
+/// The pictures of one material; null where it has none, or none that can be read. Shared, immutable.
+struct MaterialTextures {
+  std::shared_ptr<const Texture> base_color, emission, metallic_roughness;
 };
 
 /// One opening of the shutter: every motion as linear motion between keys, in one space. What accelerators are built
@@ -83,6 +94,7 @@ struct ShotOptions {
 struct Shot {
   std::vector<Mesh> meshes;
   std::vector<Material> materials;
+  std::vector<MaterialTextures> textures;  ///< [material], or empty where there are none
   std::vector<Light> lights;
   Vec3f background;
   Projection projection;

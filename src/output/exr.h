@@ -1,4 +1,4 @@
-// OpenEXR files: the only place that sees the library.
+// Writes OpenEXR files.
 #pragma once
 
 #include <string>
@@ -9,9 +9,5 @@ namespace kairos {
 
 /// Throws Error(io).
 void write_exr(const Image& image, const std::string& path, const WriteOptions& options);
-
-/// All channels as floats, and the attributes of the kinds that Attribute knows, in alphabetical order. Refuses files
-/// whose pixels would need more than `byte_limit` bytes. Throws Error(io) or Error(bad_input).
-Image read_exr(const std::string& path, uint64_t byte_limit = uint64_t{1} << 32);
 
 }  // namespace kairos

@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "scene/clean_triangles.h"
 #include "scene/frame_camera.h"
+#include "scene/load_textures.h"
 #include "scene/make_shot_notes.h"
 #include "scene/motion_keys.h"
 #include "scene/scene.h"
@@ -174,6 +175,7 @@ Shot make_shot(const Scene& scene, const ShotOptions& options) {
 
   shot.notes = scene.warnings;
   if (!found) shot.notes.push_back("no camera in the scene: using one that frames it");
+  if (options.textures) shot.textures = load_textures(scene, options.strict, shot.notes);
   for (std::string& note : shot_notes(shot.meshes, reports)) shot.notes.push_back(std::move(note));
   return shot;
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,7 +18,7 @@ namespace kairos {
 struct SceneMesh {
   std::string name;
   std::vector<Triangle> triangles;  ///< indices below motion->vertex_count()
-  std::vector<Vec2f> uvs;           ///< empty, or one per vertex
+  std::vector<Vec2f> uvs;           ///< empty, or one per vertex: see Mesh::uvs
   std::vector<uint32_t> prim_ids;   ///< empty, or one per triangle: see Mesh::prim_ids
   uint32_t material = 0;            ///< index into Scene::materials
   std::shared_ptr<const VertexMotion> motion;
@@ -33,6 +35,8 @@ struct SceneCamera {
 struct Scene {
   std::vector<SceneMesh> meshes;
   std::vector<Material> materials;  ///< never empty once loaded: index 0 exists
+  /// Encoded pictures that have no file of their own, by the name under which materials call them.
+  std::map<std::string, std::vector<uint8_t>> embedded_pictures;
   std::vector<SceneCamera> cameras;
   std::vector<Light> lights;
   std::vector<std::string> animations;  ///< names of those the files hold, played or not

@@ -54,7 +54,7 @@ class SceneReader {
     play_animation(document_, options_.animation, *graph, warnings_);
     for (const auto& animation : document_.model.animations) scene_.animations.push_back(printable(animation.name));
     graph_ = std::move(graph);
-    scene_.materials = read_materials(document_, warnings_);
+    read_materials(document_, scene_, warnings_);
     const std::vector<int> nodes = nodes_of_scene();
     for (int node : nodes) {
       add_meshes(node);

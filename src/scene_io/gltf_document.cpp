@@ -127,13 +127,19 @@ void read_buffers(Document& document, const json& root, std::span<const uint8_t>
   }
 }
 
-void read_image_paths(Document& document, const json& root, const std::string& folder) {
+void read_image_sources(Document& document, const json& root, const std::string& folder) {
   const json images = root.value("images", json::array());
   for (size_t i = 0; i < images.size(); ++i) {
     const std::string uri = images[i].value("uri", std::string());
-    const bool outside = !uri.empty() && !is_data_uri(uri) && !folder.empty();
-    document.images.push_back(
-        outside ? resolve_inside(folder, percent_decode(uri), document.name + ": " + at("images", i)) : "");
+    const std::string place = document.name + ": " + at("images", i);
+    ImageSource& image = document.images.emplace_back();
+    if (is_data_uri(uri)) {
+      image = {place, true, -1, decode_data_uri(uri, place)};
+    } else if (uri.empty() && images[i].contains("bufferView")) {
+      image = {place, true, images[i]["bufferView"].get<int>(), {}};
+    } else if (!uri.empty() && !folder.empty()) {
+      image.name = resolve_inside(folder, percent_decode(uri), place);
+    }
   }
 }
 
@@ -194,7 +200,7 @@ Document read_document(std::span<const uint8_t> bytes, const std::string& name, 
   Document document;
   document.name = name;
   read_buffers(document, root, chunks.binary, folder);
-  read_image_paths(document, root, folder);
+  read_image_sources(document, root, folder);
   uint64_t input = bytes.size();
   for (const auto& buffer : document.buffer_bytes) input += buffer.size();
   document.memory_left = kMemoryFloor + kMemoryPerInputByte * input;

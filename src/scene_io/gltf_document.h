@@ -35,11 +35,19 @@ class Warnings {
   std::map<std::string, Entry> entries_;
 };
 
+/// Where an encoded picture is: in a file, in a buffer view or (a data: URI) in `bytes`.
+struct ImageSource {
+  std::string name;  ///< path, or what an embedded one is called
+  bool embedded = false;
+  int buffer_view = -1;
+  std::vector<uint8_t> bytes;
+};
+
 struct Document {
-  std::string name;                                ///< for messages
-  tinygltf::Model model;                           ///< without buffers and images, which are below
-  std::vector<std::span<const uint8_t>> buffers;   ///< as long as byteLength says
-  std::vector<std::string> images;                 ///< path of each, empty when it is inside the file
+  std::string name;                               ///< for messages
+  tinygltf::Model model;                          ///< without buffers and images, which are below
+  std::vector<std::span<const uint8_t>> buffers;  ///< as long as byteLength says
+  std::vector<ImageSource> images;
   std::vector<std::vector<uint8_t>> buffer_bytes;  ///< what `buffers` point to, other than a GLB's own chunk
   uint64_t memory_left = 0;                        ///< what decoding may still allocate, bytes
 

@@ -25,7 +25,25 @@ double extension_number(const tinygltf::ExtensionMap& extensions, const char* na
   return value.IsNumber() ? value.GetNumberAsDouble() : otherwise;
 }
 
-std::string texture_path(const Document& document, const tinygltf::TextureInfo& info, const std::string& where,
+std::span<const uint8_t> picture_bytes(const Document& document, const ImageSource& source) {
+  if (source.buffer_view < 0) return source.bytes;
+  const auto index = static_cast<size_t>(source.buffer_view);
+  if (index >= document.model.bufferViews.size())
+    document.fail(source.name, fmt::format("names buffer view {}, but there are {}", source.buffer_view,
+                                           document.model.bufferViews.size()));
+  const tinygltf::BufferView& view = document.model.bufferViews[index];
+  const std::string where = at("bufferViews", index);
+  if (view.buffer < 0 || static_cast<size_t>(view.buffer) >= document.buffers.size())
+    document.fail(where, fmt::format("names buffer {}, but there are {}", view.buffer, document.buffers.size()));
+  const std::span<const uint8_t> buffer = document.buffers[static_cast<size_t>(view.buffer)];
+  if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
+    document.fail(where, "reaches beyond its buffer");
+  return buffer.subspan(view.byteOffset, view.byteLength);
+}
+
+/// The path or name of a texture's picture, whose bytes join the scene if they are inside the file; empty for none.
+template <class Info>
+std::string texture_name(Document& document, const Info& info, const std::string& where, Scene& scene,
                          Warnings& warnings) {
   if (info.index < 0) return "";
   const auto& textures = document.model.textures;
@@ -39,11 +57,16 @@ std::string texture_path(const Document& document, const tinygltf::TextureInfo& 
   if (static_cast<size_t>(image) >= document.images.size())
     document.fail(at("textures", static_cast<size_t>(info.index)),
                   fmt::format("names image {}, but there are {}", image, document.images.size()));
-  const std::string& path = document.images[static_cast<size_t>(image)];
-  if (path.empty()) warnings.add(where, "a texture inside the file is left out; keep images as files");
+  const ImageSource& source = document.images[static_cast<size_t>(image)];
+  if (source.name.empty()) warnings.add(where, "a texture whose image has no source is left out");
+  if (source.embedded && !scene.embedded_pictures.count(source.name)) {
+    const std::span<const uint8_t> bytes = picture_bytes(document, source);
+    document.charge(bytes.size(), where);
+    scene.embedded_pictures.emplace(source.name, std::vector<uint8_t>(bytes.begin(), bytes.end()));
+  }
   if (info.texCoord != 0)
     warnings.add(where, "a texture that uses other coordinates than TEXCOORD_0 will be misplaced");
-  return path;
+  return source.name;
 }
 
 Vec3f color(const std::vector<double>& values, double scale, double highest) {
@@ -51,7 +74,7 @@ Vec3f color(const std::vector<double>& values, double scale, double highest) {
           factor(values[2] * scale, 0, highest)};
 }
 
-Material read_material(const Document& document, const tinygltf::Material& source, const std::string& where,
+Material read_material(Document& document, const tinygltf::Material& source, const std::string& where, Scene& scene,
                        Warnings& warnings) {
   const auto& pbr = source.pbrMetallicRoughness;
   Material material;
@@ -74,21 +97,22 @@ Material read_material(const Document& document, const tinygltf::Material& sourc
     document.fail(where, "has the unknown alphaMode '" + printable(source.alphaMode) + "'");
   material.alpha_cutoff = factor(source.alphaCutoff, 0, kLargest);
   material.double_sided = source.doubleSided;
-  material.base_color_texture = texture_path(document, pbr.baseColorTexture, where, warnings);
+  const auto texture = [&](const auto& info) { return texture_name(document, info, where, scene, warnings); };
+  material.base_color_texture = texture(pbr.baseColorTexture);
+  material.emission_texture = texture(source.emissiveTexture);
+  material.metallic_roughness_texture = texture(pbr.metallicRoughnessTexture);
   return material;
 }
 
 }  // namespace
 
-std::vector<Material> read_materials(const Document& document, Warnings& warnings) {
-  std::vector<Material> result;
+void read_materials(Document& document, Scene& scene, Warnings& warnings) {
   const auto& sources = document.model.materials;
   for (size_t i = 0; i < sources.size(); ++i)
-    result.push_back(read_material(document, sources[i], at("materials", i), warnings));
+    scene.materials.push_back(read_material(document, sources[i], at("materials", i), scene, warnings));
   tinygltf::Material otherwise;
   otherwise.name = "default";
-  result.push_back(read_material(document, otherwise, "materials", warnings));
-  return result;
+  scene.materials.push_back(read_material(document, otherwise, "materials", scene, warnings));
 }
 
 SceneCamera read_camera(const Document& document, size_t index) {

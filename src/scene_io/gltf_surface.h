@@ -8,8 +8,9 @@
 
 namespace kairos::gltf {
 
-/// One per material of the document, in its order, and behind them glTF's default material.
-std::vector<Material> read_materials(const Document& document, Warnings& warnings);
+/// Adds to the scene one per material of the document, in its order, and behind them glTF's default material; also the
+/// pictures inside the file that they use.
+void read_materials(Document& document, Scene& scene, Warnings& warnings);
 
 /// The lens of a camera; its motion and name are the caller's. Throws Error for one that sees nothing.
 SceneCamera read_camera(const Document& document, size_t index);

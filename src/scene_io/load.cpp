@@ -72,7 +72,7 @@ Scene load_mesh_scene(const std::vector<std::string>& paths, LoadContext& contex
   SceneMesh mesh;
   mesh.name = std::filesystem::path(paths.front()).stem().string();
   mesh.triangles = std::move(data.triangles);
-  mesh.uvs = std::move(data.uvs);
+  mesh.uvs = uvs_from_above(std::move(data.uvs));
   mesh.prim_ids = std::move(data.prim_ids);
   mesh.motion = std::make_shared<KeyframeMotion>(
       VertexKeys{even_times(paths.size()), std::move(data.positions), std::move(data.normals)});
@@ -114,6 +114,7 @@ void append_scene(Scene& scene, Scene other) {
   for (SceneMesh& mesh : other.meshes) mesh.material += offset;
   move_append(scene.materials, other.materials);
   move_append(scene.meshes, other.meshes);
+  scene.embedded_pictures.merge(other.embedded_pictures);
   move_append(scene.cameras, other.cameras);
   move_append(scene.lights, other.lights);
   move_append(scene.animations, other.animations);

@@ -223,4 +223,9 @@ MeshData make_mesh_data(std::vector<PolygonMesh> keys, bool strict) {
   return data;
 }
 
+std::vector<Vec2f> uvs_from_above(std::vector<Vec2f> uvs) {
+  for (Vec2f& uv : uvs) uv.y = 1 - uv.y;
+  return uvs;
+}
+
 }  // namespace kairos

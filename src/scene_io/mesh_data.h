@@ -39,6 +39,9 @@ struct MeshData {
   std::vector<std::string> warnings;        ///< one line each
 };
 
+/// OBJ and PLY count v from a picture's lower edge; here it is counted from the upper one.
+std::vector<Vec2f> uvs_from_above(std::vector<Vec2f> uvs);
+
 /// Cuts polygons into triangles (a polygon of n corners counts as n - 2, in the file's order, cut as the first key has
 /// it), splits vertices whose corners differ in normal or texture coordinate (the first use keeps the vertex's place,
 /// others follow the file's last vertex in order of use), and drops triangles with a bad index or, at any key, a vertex

@@ -124,7 +124,7 @@ class NativeReader {
     mesh.triangles = std::move(data.triangles);
     if (motion->mirrors())
       for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
-    mesh.uvs = std::move(data.uvs);
+    mesh.uvs = uvs_from_above(std::move(data.uvs));
     mesh.prim_ids = std::move(data.prim_ids);
     mesh.motion = motion;
   }

@@ -24,8 +24,8 @@ void read_if(const JsonNode& node, const char* field, Vec3f& out) {
 }  // namespace
 
 Material read_material(const std::string& name, const JsonNode& node, const std::string& folder) {
-  node.expect_fields(
-      {"base_color", "base_color_texture", "emission", "metallic", "roughness", "transmission", "ior", "alpha_cutoff"});
+  node.expect_fields({"base_color", "base_color_texture", "emission", "emission_texture", "metallic", "roughness",
+                      "metallic_roughness_texture", "transmission", "ior", "alpha_cutoff"});
   Material material;
   material.name = name;
   read_if(node, "base_color", material.base_color);
@@ -34,8 +34,12 @@ Material read_material(const std::string& name, const JsonNode& node, const std:
   read_if(node, "roughness", material.roughness, 0, 1);
   read_if(node, "transmission", material.transmission, 0, 1);
   read_if(node, "ior", material.ior, 1, 100);
-  if (const auto texture = node.find("base_color_texture"))
-    material.base_color_texture = resolve_inside(folder, texture->string(), texture->place());
+  const auto read_texture = [&](const char* field, std::string& out) {
+    if (const auto texture = node.find(field)) out = resolve_inside(folder, texture->string(), texture->place());
+  };
+  read_texture("base_color_texture", material.base_color_texture);
+  read_texture("emission_texture", material.emission_texture);
+  read_texture("metallic_roughness_texture", material.metallic_roughness_texture);
   if (node.find("alpha_cutoff")) {
     material.alpha_mode = Material::AlphaMode::mask;
     read_if(node, "alpha_cutoff", material.alpha_cutoff, 0, 1);

@@ -7,12 +7,15 @@
 namespace kairos {
 
 Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal)
-    : shot_(shot), kind_(kind), want_normal_(want_normal || kind == ShadingKind::normal) {
-  const Material fallback;  // for a shot made by hand, without materials
-  for (const Mesh& mesh : shot.meshes) {
-    const Material& material = mesh.material < shot.materials.size() ? shot.materials[mesh.material] : fallback;
+    : shot_(shot),
+      looks_(shot),
+      cone_(shot.projection),
+      kind_(kind),
+      want_normal_(want_normal || kind == ShadingKind::normal) {
+  for (uint32_t m = 0; m < shot.meshes.size(); ++m) {
+    const Mesh& mesh = shot.meshes[m];
     const bool still = mesh.is_static() && mesh.normals.size() < 2 && !shot.camera_moves;
-    looks_.push_back({material.base_color, material.emission, want_normal_ && !still});
+    varies_.push_back((want_normal_ || looks_.is_textured(m)) && !still);
   }
   if (!shot.world_from_camera)
     world_from_camera_ = {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
@@ -32,16 +35,24 @@ Vec3f Shader::normal(const Ray& ray, uint32_t mesh_index, uint32_t triangle, flo
   return to_float(normalize(axes[0] * n.x + axes[1] * n.y + axes[2] * n.z));
 }
 
+Look Shader::look(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
+  if (!looks_.is_textured(mesh)) return looks_.at(mesh, triangle, {}, {}, 0);
+  const std::array<Vec3d, 3> vertices = triangle_at(shot_.meshes[mesh], triangle, time);
+  const std::array<float, 3> weights = barycentrics(vertices, ray);
+  return looks_.at(mesh, triangle, vertices, weights, cone_.width_at(point_of(vertices, weights), ray));
+}
+
 Shade Shader::shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
   Shade shade;
-  shade.albedo = looks_[mesh].base_colour;
+  const Look seen = look(ray, mesh, triangle, time);
+  shade.albedo = seen.base_colour;
   if (want_normal_) shade.normal = normal(ray, mesh, triangle, time);
   switch (kind_) {
     case ShadingKind::normal:
       shade.colour = {std::abs(shade.normal.x), std::abs(shade.normal.y), std::abs(shade.normal.z)};
       break;
     case ShadingKind::flat:
-      shade.colour = looks_[mesh].base_colour + looks_[mesh].emission;
+      shade.colour = seen.base_colour + seen.emission;
       break;
   }
   return shade;

@@ -7,6 +7,9 @@
 
 #include <kairos/render.h>
 
+#include "shading/looks.h"
+#include "shading/pixel_cone.h"
+
 namespace kairos {
 
 struct Shade {
@@ -25,18 +28,16 @@ class Shader {
   Shade shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;
 
   /// False when all instants at which a ray sees one of the mesh's triangles look the same.
-  bool varies(uint32_t mesh) const { return looks_[mesh].varies; }
+  bool varies(uint32_t mesh) const { return varies_[mesh]; }
 
  private:
   Vec3f normal(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;
-
-  struct Look {
-    Vec3f base_colour, emission;
-    bool varies;
-  };
+  Look look(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;
 
   const Shot& shot_;
-  std::vector<Look> looks_;  // [mesh]
+  Looks looks_;
+  PixelCone cone_;
+  std::vector<bool> varies_;  // [mesh]
   ShadingKind kind_;
   bool want_normal_;
   std::optional<std::array<Vec3d, 3>> world_from_camera_;  // when the camera stands still

@@ -21,6 +21,12 @@ std::array<Vec3d, 3> triangle_at(const Mesh& mesh, uint32_t triangle, float time
 /// of the triangle (by the rounding of a segment's ends) they are clamped to it; seen edge on, they are all equal.
 std::array<float, 3> barycentrics(const std::array<Vec3d, 3>& vertices, const Ray& ray);
 
+/// The point with these weights.
+inline Vec3d point_of(const std::array<Vec3d, 3>& vertices, const std::array<float, 3>& weights) {
+  return vertices[0] * static_cast<double>(weights[0]) + vertices[1] * static_cast<double>(weights[1]) +
+         vertices[2] * static_cast<double>(weights[2]);
+}
+
 /// The mesh's own normal, interpolated over time and over the triangle: unit; zero when they cancel or are missing.
 Vec3f interpolated_normal(const Mesh& mesh, uint32_t triangle, const std::array<float, 3>& weights, float time);
 

@@ -1,0 +1,140 @@
+#include "image/texture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+
+namespace kairos {
+
+namespace {
+
+constexpr size_t kChannels = 4;
+// Keeps the colour of a fully transparent texel from being 0 / 0, and from counting beside others.
+constexpr float kLeastAlpha = 1e-4f;
+
+float srgb_value(float code) {  // IEC 61966-2-1; code 0 to 1
+  return code <= 0.04045f ? code / 12.92f : std::pow((code + 0.055f) / 1.055f, 2.4f);
+}
+
+int wrapped(int i, int size) { return i < 0 ? i + size : i >= size ? i - size : i; }
+
+/// Which texels of a row of `from` a texel of a row of `to` covers, and how much of each: three at most.
+struct Cover {
+  int first = 0, count = 0;
+  std::array<float, 3> weights{};
+
+  Cover(int index, int to, int from) {
+    const double scale = static_cast<double>(from) / to, begin = index * scale, end = (index + 1) * scale;
+    first = static_cast<int>(begin);
+    for (int i = first; i < from && i < end && count < 3; ++i)
+      weights[static_cast<size_t>(count++)] =
+          static_cast<float>(std::min<double>(end, i + 1) - std::max<double>(begin, i));
+  }
+};
+
+}  // namespace
+
+Texture::Texture(Pixels pixels, Encoding encoding) {
+  for (size_t code = 0; code < decoded_.size(); ++code) {
+    const float value = static_cast<float>(code) / 255;
+    decoded_[code] = encoding == Encoding::srgb ? srgb_value(value) : value;
+  }
+  for (size_t i = 3; i < pixels.codes.size() && !has_alpha_; i += kChannels) has_alpha_ = pixels.codes[i] != 255;
+  for (size_t i = 3; i < pixels.values.size() && !has_alpha_; i += kChannels) has_alpha_ = pixels.values[i] < 1;
+  levels_.push_back(std::move(pixels));
+  while (levels_.back().width > 1 || levels_.back().height > 1) levels_.push_back(half_of(levels_.back()));
+}
+
+Texel Texture::texel(const Pixels& level, int x, int y) const {
+  const size_t i = (static_cast<size_t>(y) * static_cast<size_t>(level.width) + static_cast<size_t>(x)) * kChannels;
+  if (!level.codes.empty()) {
+    const uint8_t* code = &level.codes[i];
+    return {{decoded_[code[0]], decoded_[code[1]], decoded_[code[2]]}, static_cast<float>(code[3]) / 255};
+  }
+  const float* value = &level.values[i];
+  return {{value[0], value[1], value[2]}, value[3]};
+}
+
+void Texture::store(Pixels& level, size_t index, const Texel& value) const {
+  const size_t i = index * kChannels;
+  if (level.codes.empty()) {
+    for (int c = 0; c < 3; ++c) level.values[i + static_cast<size_t>(c)] = value.colour[c];
+    level.values[i + 3] = value.alpha;
+    return;
+  }
+  for (int c = 0; c < 3; ++c) {
+    const auto above = std::lower_bound(decoded_.begin() + 1, decoded_.end() - 1, value.colour[c]);
+    const bool nearer_below = value.colour[c] - *(above - 1) < *above - value.colour[c];
+    level.codes[i + static_cast<size_t>(c)] = static_cast<uint8_t>(above - decoded_.begin() - (nearer_below ? 1 : 0));
+  }
+  level.codes[i + 3] = static_cast<uint8_t>(std::lround(std::clamp(value.alpha, 0.0f, 1.0f) * 255));
+}
+
+Pixels Texture::half_of(const Pixels& level) const {
+  Pixels half{std::max(1, level.width / 2), std::max(1, level.height / 2), {}, {}};
+  const auto width = static_cast<size_t>(half.width), height = static_cast<size_t>(half.height);
+  (level.codes.empty() ? half.values.resize(width * height * kChannels)
+                       : half.codes.resize(width * height * kChannels));
+  std::vector<Cover> columns;
+  for (int x = 0; x < half.width; ++x) columns.emplace_back(x, half.width, level.width);
+  parallel_for(height, 16, [&](size_t begin, size_t end) {
+    for (size_t y = begin; y < end; ++y) {
+      const Cover rows(static_cast<int>(y), half.height, level.height);
+      for (size_t x = 0; x < width; ++x) {
+        Texel sum{{}, 0};
+        float area = 0, colour_weight = 0;
+        for (int j = 0; j < rows.count; ++j)
+          for (int i = 0; i < columns[x].count; ++i) {
+            const Texel one = texel(level, columns[x].first + i, rows.first + j);
+            const float weight = rows.weights[static_cast<size_t>(j)] * columns[x].weights[static_cast<size_t>(i)];
+            // What is transparent must not bleed its colour into what is seen.
+            const float visible = has_alpha_ ? weight * std::max(one.alpha, kLeastAlpha) : weight;
+            sum.colour += one.colour * visible;
+            sum.alpha += one.alpha * weight;
+            colour_weight += visible;
+            area += weight;
+          }
+        store(half, y * width + x, {sum.colour / colour_weight, sum.alpha / area});
+      }
+    }
+  });
+  return half;
+}
+
+Texel Texture::bilinear(const Pixels& level, Vec2f uv) const {
+  const float x = uv.x * static_cast<float>(level.width) - 0.5f, y = uv.y * static_cast<float>(level.height) - 0.5f;
+  const float left = std::floor(x), top = std::floor(y), right_weight = x - left, bottom_weight = y - top;
+  const int x0 = wrapped(static_cast<int>(left), level.width), x1 = wrapped(x0 + 1, level.width);
+  const int y0 = wrapped(static_cast<int>(top), level.height), y1 = wrapped(y0 + 1, level.height);
+  const Texel a = texel(level, x0, y0), b = texel(level, x1, y0), c = texel(level, x0, y1), d = texel(level, x1, y1);
+  const auto mix = [&](auto p, auto q, auto r, auto s) {
+    return (p * (1 - right_weight) + q * right_weight) * (1 - bottom_weight) +
+           (r * (1 - right_weight) + s * right_weight) * bottom_weight;
+  };
+  return {mix(a.colour, b.colour, c.colour, d.colour), mix(a.alpha, b.alpha, c.alpha, d.alpha)};
+}
+
+Texel Texture::at(Vec2f uv, float footprint) const {
+  const auto repeated = [](float v) {
+    const float inside = v - std::floor(v);
+    return inside >= 0 && inside <= 1 ? inside : 0;  // not for what is not finite
+  };
+  uv = {repeated(uv.x), repeated(uv.y)};
+  const auto coarsest = static_cast<float>(levels_.size() - 1);
+  const float level = footprint > 1 ? std::min(std::log2(footprint), coarsest) : 0;
+  const auto fine = static_cast<size_t>(level);
+  const float weight = level - static_cast<float>(fine);
+  const Texel below = bilinear(levels_[fine], uv);
+  if (weight == 0) return below;
+  const Texel above = bilinear(levels_[fine + 1], uv);
+  return {lerp(below.colour, above.colour, weight), below.alpha * (1 - weight) + above.alpha * weight};
+}
+
+size_t Texture::memory_bytes() const {
+  size_t bytes = 0;
+  for (const Pixels& level : levels_) bytes += level.codes.size() + level.values.size() * sizeof(float);
+  return bytes;
+}
+
+}  // namespace kairos

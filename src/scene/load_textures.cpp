@@ -1,0 +1,77 @@
+#include "scene/load_textures.h"
+
+#include <map>
+#include <new>
+#include <utility>
+
+#include <kairos/error.h>
+
+#include "base/parallel.h"
+#include "image/texture.h"
+
+namespace kairos {
+
+namespace {
+
+struct Slot {
+  std::shared_ptr<const Texture> texture;
+  std::string failure;  // why there is none
+  ErrorCode code = ErrorCode::bad_input;
+};
+
+using Key = std::pair<std::string, Texture::Encoding>;
+
+Slot read(const Scene& scene, const Key& key) {
+  Slot slot;
+  const auto& [name, encoding] = key;
+  try {
+    const auto embedded = scene.embedded_pictures.find(name);
+    Pixels pixels =
+        embedded == scene.embedded_pictures.end() ? read_picture(name) : decode_picture(embedded->second, name);
+    slot.texture = std::make_shared<const Texture>(std::move(pixels), encoding);
+  } catch (const Error& e) {
+    slot.failure = e.what();
+    slot.code = e.code();
+  } catch (const std::bad_alloc&) {
+    slot.failure = name + ": needs more memory than there is";
+  }
+  return slot;
+}
+
+}  // namespace
+
+std::vector<MaterialTextures> load_textures(const Scene& scene, bool strict, std::vector<std::string>& notes) {
+  std::map<Key, Slot> slots;
+  const auto ask = [&](const std::string& name, Texture::Encoding encoding) {
+    if (!name.empty()) slots.try_emplace({name, encoding});
+  };
+  for (const Material& material : scene.materials) {
+    ask(material.base_color_texture, Texture::Encoding::srgb);
+    ask(material.emission_texture, Texture::Encoding::srgb);
+    ask(material.metallic_roughness_texture, Texture::Encoding::linear);
+  }
+  if (slots.empty()) return {};
+
+  std::vector<std::pair<const Key, Slot>*> all;
+  for (auto& slot : slots) all.push_back(&slot);
+  parallel_for(all.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) all[i]->second = read(scene, all[i]->first);
+  });
+  for (const auto& [key, slot] : slots) {
+    if (slot.texture) continue;
+    if (strict) throw Error(slot.code, "", slot.failure);
+    notes.push_back("texture left out: " + slot.failure);
+  }
+
+  std::vector<MaterialTextures> result;
+  const auto find = [&](const std::string& name, Texture::Encoding encoding) {
+    return name.empty() ? nullptr : slots.at({name, encoding}).texture;
+  };
+  for (const Material& material : scene.materials)
+    result.push_back({find(material.base_color_texture, Texture::Encoding::srgb),
+                      find(material.emission_texture, Texture::Encoding::srgb),
+                      find(material.metallic_roughness_texture, Texture::Encoding::linear)});
+  return result;
+}
+
+}  // namespace kairos

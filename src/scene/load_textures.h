@@ -1,0 +1,15 @@
+// Reads the pictures that a scene's materials name.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace kairos {
+
+/// [material]; each picture is read once, however many materials use it. One that cannot be read is left out with a
+/// note; with `strict` it throws Error(io) or Error(bad_input). Empty when no material has any.
+std::vector<MaterialTextures> load_textures(const Scene& scene, bool strict, std::vector<std::string>& notes);
+
+}  // namespace kairos

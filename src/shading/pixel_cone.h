@@ -1,0 +1,30 @@
+// How wide a piece of the scene a pixel sees.
+#pragma once
+
+#include <cmath>
+
+#include <kairos/scene.h>
+#include <kairos/tracer.h>
+
+namespace kairos {
+
+class PixelCone {
+ public:
+  explicit PixelCone(const Projection& projection)
+      : start_(projection.orthographic ? projection.view_height / projection.height : 0),
+        spread_(projection.orthographic ? 0 : 2 * std::tan(projection.vfov / 2) / projection.height) {}
+
+  /// Across the ray at `point` on it, in scene units. The ray's direction is as long as CameraRays makes it.
+  double width_at(Vec3d point, const Ray& ray) const {
+    const Vec3d direction = to_double(ray.direction);
+    return start_ + spread_ * std::abs(dot(point - to_double(ray.origin), direction)) / dot(direction, direction);
+  }
+
+  /// By how much the width grows along a unit of length, of rays near the view axis.
+  double spread() const { return spread_; }
+
+ private:
+  double start_, spread_;
+};
+
+}  // namespace kairos
