@@ -28,6 +28,10 @@ inline constexpr float kLinearDistance = sizeof(Real) == 8 ? 1e-6f : 1e-4f;
 template <class Real>
 inline constexpr int kDeepestCut = sizeof(Real) == 8 ? 10 : 5;
 
+/// Hits shorter than this part of the shutter are not cut: pieces around kTimeSnap would be lost one by one when what
+/// is visible is resolved, and with them the whole of a hit on a triangle seen nearly edge-on.
+inline constexpr float kShortestCut = 8 * kTimeSnap;
+
 struct RayState {
   Visibility visibility = Visibility::visible;
   TimeBins bins;
@@ -91,7 +95,8 @@ template <class Real>
 void add_in_pieces(RayState& state, const FramedTriangle<Real>& f, const std::array<Quadratic<Real>, 3>& e,
                    const HitInterval<Real>& hit, uint32_t mesh, uint32_t triangle, float span_begin, float span_end,
                    int cuts = 0) {
-  if (state.culls() && cuts < kDeepestCut<Real>) {
+  const Real duration = (hit.end - hit.begin) * Real(span_end - span_begin);
+  if (state.culls() && cuts < kDeepestCut<Real> && duration > Real(kShortestCut)) {
     const Real middle = Real(0.5) * (hit.begin + hit.end);
     const Real dist = distance_at(f, e, middle);
     const Real straight = Real(0.5) * (hit.dist_begin + hit.dist_end);
