@@ -61,6 +61,27 @@ TEST(Resolve, NeighboursThatMissEachOtherByRoundingLeaveNoSliverOfWhatIsBehind) 
   }
 }
 
+TEST(Resolve, RunsOfSliversLeaveNoGap) {
+  // Eight hits of less than a sliver each, one after the other: before a longer one, after it, and on their own.
+  constexpr float kStep = 0.4f * kTimeSnap;
+  for (const float start : {0.0f, 0.25f}) {
+    std::vector<Segment> hits;
+    float time = start;
+    for (uint32_t i = 0; i < 8; ++i, time += kStep) hits.push_back(hit(time, time + kStep, 1, 1, i));
+    const auto alone = visible(hits);
+    ASSERT_FALSE(alone.empty());
+    EXPECT_EQ(alone.front().begin, start);
+    EXPECT_NEAR(alone.back().end, time, 0.5f * kTimeSnap);
+    hits.push_back(hit(time, 0.5f, 1, 1, 8));
+    for (uint32_t i = 0; i < 8; ++i)
+      hits.push_back(hit(0.5f + static_cast<float>(i) * kStep, 0.5f + static_cast<float>(i + 1) * kStep, 1, 1, 9 + i));
+    const auto seen = visible(hits);
+    EXPECT_EQ(seen.front().begin, start);
+    for (size_t i = 1; i < seen.size(); ++i) EXPECT_EQ(seen[i].begin, seen[i - 1].end);
+    EXPECT_EQ(seen.back().end, hits.back().end);
+  }
+}
+
 TEST(Resolve, StretchesOfOneTriangleThatFollowOnEachOtherAreOneSegment) {
   const auto seen = visible({hit(0.5f, 1, 2, 3, 4), hit(0, 0.5f, 1, 2, 4)});
   ASSERT_EQ(seen.size(), 1u);

@@ -53,9 +53,11 @@ class Sweep {
       now_ = emitted_ = next_hit().begin;
       while (next_ < order_.size() && next_hit().begin <= now_) take_up();
       while (choose()) advance();
+      // A sliver before a gap has nothing after it that it could be left to.
+      if (!out_.empty() && out_.back().end == emitted_) out_.back().end = now_;
     }
     if (out_.empty()) return;
-    // Slivers at the shutter's ends have nothing that they could be left to.
+    // Nor has one at the shutter's ends.
     if (out_.front().begin < kTimeSnap) out_.front().begin = 0;
     if (1 - out_.back().end < kTimeSnap) out_.back().end = 1;
   }
@@ -85,7 +87,7 @@ class Sweep {
   bool choose() {
     size_t kept = 0;
     for (size_t i = 0; i < active_.size(); ++i)
-      if (active_[i].end - now_ >= kTimeSnap) {
+      if (active_[i].end > now_) {
         if (kept != i) active_[kept] = active_[i];
         ++kept;
       }
@@ -120,11 +122,8 @@ class Sweep {
     // A hit that begins within a sliver of the end takes over from it, without a gap.
     while (next_ < order_.size() && next_hit().begin <= change_ + kTimeSnap) {
       now_ = std::min(std::max(now_, next_hit().begin), change_);
-      if (next_hit().end - now_ < kTimeSnap) {
-        ++next_;
-        continue;
-      }
       take_up();
+      if (active_.back().end <= now_) continue;
       if (in_front(active_.back(), active_[seen_])) {
         emit();
         see(active_.size() - 1);
@@ -136,7 +135,8 @@ class Sweep {
     emit();
   }
 
-  /// What is seen was so from the last emission until now. Slivers are left to what follows.
+  /// What is seen was so from the last emission until now. Slivers are left to what follows; a run of them that grows
+  /// to more than a sliver goes to the last of them.
   void emit() {
     if (now_ - emitted_ < kTimeSnap) return;
     const Piece& seen = active_[seen_];
