@@ -238,7 +238,8 @@ TEST(Notes, TellKeysAndWarnings) {
   mover.name = "mover";
   scene.meshes.push_back(mover);
   const Shot shot = make_shot(scene);
-  EXPECT_THAT(shot.notes, Contains("a feature is left out"));
+  EXPECT_THAT(shot.warnings, Contains("a feature is left out"));
+  EXPECT_THAT(shot.notes, testing::Not(Contains("a feature is left out"))) << "said twice";
   EXPECT_THAT(shot.notes, Contains("1 of 2 meshes move: 1 with 2 keys (most: 'mover')"));
 }
 

@@ -102,7 +102,9 @@ struct Shot {
   /// Rotation camera space -> world space (columns) at a shutter time, for normals; identity columns in world space.
   std::function<std::array<Vec3d, 3>(double time)> world_from_camera;
   bool camera_moves = false;
-  std::vector<std::string> notes;  ///< one line each, for the log: keys chosen, triangles dropped, features left out
+  std::vector<std::string>
+      warnings;  ///< one line each: what loading the scene left out or took otherwise than the file says
+  std::vector<std::string> notes;  ///< one line each, for the log: keys chosen, triangles dropped, textures left out
 };
 
 /// Throws Error(bad_usage) for a camera that does not exist or times that make no sense, Error(bad_input) for a camera
