@@ -25,7 +25,7 @@ class GltfBuilder {
     if (stride) view["byteStride"] = stride;
     const size_t begin = bytes.size();
     bytes.resize(begin + values.size() * sizeof(T));
-    std::memcpy(bytes.data() + begin, values.data(), values.size() * sizeof(T));
+    if (!values.empty()) std::memcpy(bytes.data() + begin, values.data(), values.size() * sizeof(T));
     return push("bufferViews", std::move(view));
   }
 

@@ -11,6 +11,7 @@
 
 #include "kernels/dispatch.h"
 #include "soup.h"
+#include "temp_folder.h"
 
 namespace kairos {
 namespace {
@@ -141,13 +142,13 @@ class MovingBoxOracle : public testing::Test {
     std::vector<BoxCase> all = read_cases(oracle_ + "/boxes.jsonl");
     const uint32_t seed = std::getenv("KAIROS_SEED") != nullptr ? test::seed() : std::random_device()();
     std::printf("KAIROS_SEED=%u\n", seed);
-    const std::string fresh = testing::TempDir() + "/kairos_boxes.jsonl";
+    const TempFolder folder;
+    const std::string fresh = folder.path("boxes.jsonl");
     const std::string command =
         "python3 '" + oracle_ + "/make_boxes.py' '" + fresh + "' " + std::to_string(seed) + " 2000";
     EXPECT_EQ(std::system(command.c_str()), 0);
     const auto more = read_cases(fresh);
     all.insert(all.end(), more.begin(), more.end());
-    std::filesystem::remove(fresh);
     return all;
   }
   std::string oracle_;

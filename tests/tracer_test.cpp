@@ -19,7 +19,6 @@ using test::random_soup;
 constexpr double kExactTime = 1e-6;  // of the shutter
 /// Float arithmetic on coordinates of about 10: a rounding of 1e-6 in place, divided by the speed with which an edge
 /// passes the ray. Rays and triangles for which that is slow are few, hence a share and not a maximum.
-constexpr double kFastTime = 1e-4;
 constexpr double kFastShare = 0.995;
 
 class TracerOnSoup : public testing::TestWithParam<InstructionSet> {};
