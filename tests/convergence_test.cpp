@@ -12,6 +12,7 @@
 #include <kairos/render.h>
 
 #include "data_folders.h"
+#include "whitted_scene.h"
 
 namespace kairos {
 namespace {
@@ -44,14 +45,16 @@ Mean mean_of(const Shot& shot, RenderParams params, int pictures, uint64_t first
   return mean;
 }
 
-void expect_same_limit(const Shot& shot, ShadingKind shading) {
+void expect_same_limit(const Shot& shot, ShadingKind shading, IntegratorKind kind = IntegratorKind::tc, int rays = 64,
+                       int pictures = 4) {
   RenderParams tc, qmc;
+  tc.integrator = kind;
   tc.shading = qmc.shading = shading;
-  tc.tc_rays = 64;
+  tc.tc_rays = rays;
   tc.shading_samples = 64;
   qmc.integrator = IntegratorKind::qmc;
   qmc.spp = 4096;
-  const Mean a = mean_of(shot, tc, 4, 100), b = mean_of(shot, qmc, 2, 200);
+  const Mean a = mean_of(shot, tc, pictures, 100), b = mean_of(shot, qmc, 2, 200);
   double difference = 0, bias = 0, contrast = 0;
   for (size_t i = 0; i < a.values.size(); ++i) {
     difference += std::pow(a.values[i] - b.values[i], 2);
@@ -108,6 +111,28 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Convergence,
                              if (c == '-') c = '_';
                            return name;
                          });
+
+// A mirror, a moving glass ball, a moving box, their shadows, and a lamp.
+TEST(WhittedScene, TcMixedAndQmcMeet) {
+  Shot shot;
+  shot.projection.width = 20;
+  shot.projection.height = 15;
+  shot.materials = {lambert({0.7f, 0.6f, 0.5f}), mirror({0.9f, 0.9f, 0.9f}), glass(1.5f), lambert({0.2f, 0.4f, 0.9f}),
+                    lamp({6, 6, 6})};
+  shot.lights = {PointLight{{-2, 3, -2}, {12, 12, 12}}, ConstantLight{{0.3f, 0.3f, 0.4f}}};
+  shot.meshes = {parallelogram({-6, -1, 2}, {12, 0, 0}, {0, 0, -12}, 0),
+                 parallelogram({-3, -1, -7}, {6, 0, 0}, {0, 4, 0}, 1), ball({-0.7f, -0.2f, -4}, 0.7f, 12, 2),
+                 box({0.3f, -1, -5}, {1.2f, 0, -4.2f}, 3), parallelogram({0, 2.5f, -5}, {1, 0, 0}, {0, 0, 1}, 4)};
+  for (const size_t moving : {2, 3}) {
+    Mesh& mesh = shot.meshes[moving];
+    mesh.positions.push_back(mesh.positions[0]);
+    for (Vec3f& p : mesh.positions[1]) p.x += moving == 2 ? 0.5f : 1.5f;
+    mesh.key_times = {0, 1};
+  }
+  shot.meshes[2].normals.resize(1);
+  for (const IntegratorKind kind : {IntegratorKind::tc, IntegratorKind::mixed})
+    expect_same_limit(shot, ShadingKind::whitted, kind, 16, 16);
+}
 
 TEST(DemoScene, TcAndQmcMeet) {
   std::string name = (fs::temp_directory_path() / "kairos_convergence_XXXXXX").string();

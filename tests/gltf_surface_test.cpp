@@ -93,26 +93,37 @@ TEST(GltfSurface, CamerasMoveWithTheirNodesAndHaveNoScale) {
   EXPECT_THROW(gltf.parse(), Error);
 }
 
-TEST(GltfSurface, PointAndDirectionalLightsAreKept) {
+TEST(GltfSurface, LightsAreKept) {
   GltfBuilder gltf;
   const float half = std::sqrt(0.5f);
   gltf.root["extensions"]["KHR_lights_punctual"]["lights"] = {
       {{"type", "point"}, {"intensity", 10}, {"color", {1, 0.5, 0}}},
       {{"type", "directional"}},
-      {{"type", "spot"}, {"spot", {{"outerConeAngle", 0.5}}}}};
+      {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.25}, {"outerConeAngle", 0.5}}}},
+      {{"type", "area"}}};
   const auto lit = [](int light) { return nlohmann::json{{"KHR_lights_punctual", {{"light", light}}}}; };
   gltf.push("nodes", {{"translation", {1, 2, 3}}, {"extensions", lit(0)}});
   gltf.push("nodes", {{"rotation", {0, half, 0, half}}, {"extensions", lit(1)}});
-  gltf.push("nodes", {{"extensions", lit(2)}});
+  gltf.push("nodes", {{"translation", {4, 5, 6}}, {"extensions", lit(2)}});
+  gltf.push("nodes", {{"extensions", lit(3)}});
   const Scene scene = gltf.parse();
-  ASSERT_EQ(scene.lights.size(), 2u);
+  ASSERT_EQ(scene.lights.size(), 3u);
   EXPECT_EQ(std::get<PointLight>(scene.lights[0]).position, (Vec3f{1, 2, 3}));
   EXPECT_EQ(std::get<PointLight>(scene.lights[0]).intensity, (Vec3f{10, 5, 0}));
   EXPECT_NEAR(std::get<DirectionalLight>(scene.lights[1]).direction.x, -1, 1e-6);
-  EXPECT_THAT(scene.warnings, testing::ElementsAre(HasSubstr("'spot'")));
+  EXPECT_THAT(scene.warnings, testing::ElementsAre(HasSubstr("'area'")));
   gltf.animate(0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0}, "VEC3");
   EXPECT_THAT(gltf.parse().warnings, testing::Contains(HasSubstr("nodes[0]: a light that moves")));
-  gltf.root["nodes"][0]["extensions"] = lit(3);
+  const SpotLight spot = std::get<SpotLight>(scene.lights[2]);
+  EXPECT_EQ(spot.position, (Vec3f{4, 5, 6}));
+  EXPECT_EQ(spot.direction, (Vec3f{0, 0, -1}));
+  EXPECT_EQ(spot.intensity, (Vec3f{1, 1, 1}));
+  EXPECT_FLOAT_EQ(spot.cos_inner, std::cos(0.25f));
+  EXPECT_FLOAT_EQ(spot.cos_outer, std::cos(0.5f));
+  gltf.root["extensions"]["KHR_lights_punctual"]["lights"][2]["spot"]["innerConeAngle"] = 0.6;
+  EXPECT_THROW(gltf.parse(), Error);
+  gltf.root["nodes"].erase(2);
+  gltf.root["nodes"][0]["extensions"] = lit(4);
   EXPECT_THROW(gltf.parse(), Error);
 }
 

@@ -168,7 +168,7 @@ TEST_F(Native, SchemaIsStrict) {
   refuse_fields(R"("materials": {"m": {"base_color": [1, -1, 1]}})", {"cannot be negative"});
   refuse_fields(R"("materials": {"m": {"base_color": [1, 1e300, 1]}})", {"materials.m.base_color[1]"});
   refuse_fields(R"("materials": {"m": {"base_color_texture": "../x.png"}})", {"leaves the scene's folder"});
-  refuse_fields(R"("lights": [{"type": "spot"}])", {"scene.json: lights[0].type: unknown light 'spot'"});
+  refuse_fields(R"("lights": [{"type": "laser"}])", {"scene.json: lights[0].type: unknown light 'laser'"});
   refuse_fields(R"("lights": [{"type": "point", "position": [0,0,0]}])", {"'intensity' is missing"});
   refuse_fields(R"("lights": [{"type": "directional", "direction": [0,0,0], "irradiance": [1,1,1]}])",
                 {"direction cannot be zero"});

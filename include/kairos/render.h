@@ -24,8 +24,9 @@ enum class SamplerKind {
   random,        ///< independent
 };
 enum class ShadingKind {
-  normal,  ///< (|n.x|, |n.y|, |n.z|) of the unit normal in world space: the mesh's own, or the triangle's
-  flat,    ///< base colour plus emission, unlit
+  normal,   ///< (|n.x|, |n.y|, |n.z|) of the unit normal in world space: the mesh's own, or the triangle's
+  flat,     ///< base colour plus emission, unlit
+  whitted,  ///< lit, with shadows, mirrors and glass
 };
 enum class FilterKind {
   box,              ///< the pixel itself
@@ -58,6 +59,7 @@ struct RenderParams {
                             ///< time of samples of qmc; 1 to 2^20
   SamplerKind sampler = SamplerKind::owen_sobol;
   ShadingKind shading = ShadingKind::normal;
+  int max_depth = 8;  ///< whitted: how often a ray may be reflected or refracted, 0 to 64
   FilterKind filter = FilterKind::box;
   std::vector<Aov> aovs;
   std::optional<Crop> crop;  ///< unset: the whole frame; its pixels are those of the whole frame, bit for bit
@@ -67,8 +69,8 @@ struct RenderParams {
 };
 
 struct RenderStats {
-  double build_seconds = 0, render_seconds = 0;  ///< wall clock
-  uint64_t rays = 0;
+  double build_seconds = 0, render_seconds = 0;   ///< wall clock
+  uint64_t rays = 0;                              ///< from the camera
   uint64_t segments = 0;                          ///< visibility segments (discrete rays: hits)
   uint64_t shading_samples = 0;                   ///< shading evaluations
   TraceCounters counters;                         ///< tc, mixed

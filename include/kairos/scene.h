@@ -22,6 +22,7 @@ struct Material {
   float roughness = 1;
   float transmission = 0;
   float ior = 1.5f;
+  bool thin_walled = false;  ///< what lets light through is a skin: it does not refract
   float alpha = 1;
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5f;
@@ -35,13 +36,20 @@ struct Material {
 struct PointLight {
   Vec3f position, intensity;
 };
+struct SpotLight {
+  Vec3f position, direction;  ///< direction: unit, in which the light travels
+  Vec3f intensity;            ///< along it
+  float cos_inner = 1;        ///< cosine of the angle up to which the intensity is full
+  float cos_outer = 0;        ///< cosine of the angle from which there is none
+};
 struct DirectionalLight {
   Vec3f direction, irradiance;  ///< direction: in which the light travels
 };
 struct ConstantLight {
   Vec3f radiance;
 };
-using Light = std::variant<PointLight, DirectionalLight, ConstantLight>;
+/// In world space; those of a scene do not move. Linear Rec. 709.
+using Light = std::variant<PointLight, SpotLight, DirectionalLight, ConstantLight>;
 
 /// Picks what a scene file offers several of.
 struct LoadOptions {
@@ -101,6 +109,7 @@ struct Shot {
   double shutter_open = 0, shutter_close = 1;  ///< scene time
   /// Rotation camera space -> world space (columns) at a shutter time, for normals; identity columns in world space.
   std::function<std::array<Vec3d, 3>(double time)> world_from_camera;
+  std::function<Vec3d(double time)> camera_position;  ///< in world space; zero in world space
   bool camera_moves = false;
   std::vector<std::string>
       warnings;  ///< one line each: what loading the scene left out or took otherwise than the file says

@@ -110,8 +110,8 @@ struct DiscreteScene::Impl {
   }
 
   /// Denormals must be zero already.
-  std::optional<DiscreteHit> intersect(const Ray& ray, float time) const {
-    if (!usable(ray, time)) return std::nullopt;
+  std::optional<DiscreteHit> intersect(const Ray& ray, float time, float max_dist) const {
+    if (!usable(ray, time) || !(max_dist > 0)) return std::nullopt;
     RTCRayHit query{};
     query.ray.org_x = ray.origin.x;
     query.ray.org_y = ray.origin.y;
@@ -119,7 +119,7 @@ struct DiscreteScene::Impl {
     query.ray.dir_x = ray.direction.x;
     query.ray.dir_y = ray.direction.y;
     query.ray.dir_z = ray.direction.z;
-    query.ray.tfar = std::numeric_limits<float>::infinity();
+    query.ray.tfar = max_dist;
     query.ray.mask = ~0u;
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     RTCIntersectContext context;
@@ -182,9 +182,9 @@ DiscreteScene::~DiscreteScene() = default;
 DiscreteScene::DiscreteScene(DiscreteScene&&) noexcept = default;
 DiscreteScene& DiscreteScene::operator=(DiscreteScene&&) noexcept = default;
 
-std::optional<DiscreteHit> DiscreteScene::intersect(const Ray& ray, float time) const {
+std::optional<DiscreteHit> DiscreteScene::intersect(const Ray& ray, float time, float max_dist) const {
   const DenormalsAreZero guard;
-  return impl_->intersect(ray, time);
+  return impl_->intersect(ray, time, max_dist);
 }
 
 void DiscreteScene::intersect(std::span<const Ray> rays, std::span<const float> times,

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -51,8 +52,10 @@ class DiscreteScene {
   DiscreteScene(DiscreteScene&&) noexcept;
   DiscreteScene& operator=(DiscreteScene&&) noexcept;
 
-  /// The nearest hit at shutter time `time`, in [0, 1]. A ray that is not finite, or has no direction, meets nothing.
-  std::optional<DiscreteHit> intersect(const Ray& ray, float time) const;
+  /// The nearest hit at shutter time `time`, in [0, 1], no farther than `max_dist` along the ray. A ray that is not
+  /// finite, or has no direction, meets nothing.
+  std::optional<DiscreteHit> intersect(const Ray& ray, float time,
+                                       float max_dist = std::numeric_limits<float>::infinity()) const;
 
   /// The same for many rays, all spans of one length. Rays that lie next to each other and go about the same way are
   /// the cheapest: eight at a time go through the scene together. Which of two surfaces at exactly the same distance is

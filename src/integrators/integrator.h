@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "discrete/discrete_scene.h"
 #include "film/pixel_filter.h"
 #include "film/shaded_segment.h"
 #include "integrators/camera_rays.h"
@@ -40,6 +41,12 @@ class Integrator {
   };
   virtual std::unique_ptr<Worker> make_worker() const = 0;
 };
+
+/// Discrete rays on the shot: the shader's, if it has them.
+inline std::shared_ptr<const DiscreteScene> discrete_scene(const Shot& shot, const Shader& shader) {
+  auto scene = shader.discrete();
+  return scene ? scene : std::make_shared<const DiscreteScene>(shot.meshes);
+}
 
 /// A slow pixel must not keep one waiting: poll the monitor once per this many rays.
 inline constexpr uint32_t kRaysPerPoll = 64;

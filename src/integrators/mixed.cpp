@@ -41,7 +41,7 @@ class MixedIntegrator : public Integrator {
         fixed_plan_{static_cast<uint32_t>(params.tc_rays), context.sampler.count()},
         shading_samples_(params.shading_samples),
         mask_(shot, context.filter.radius()),
-        scene_(shot.meshes),
+        scene_(discrete_scene(shot, context.shader)),
         tracer_(shot.meshes, {Precision::fast, params.instruction_set}) {}
 
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<MixedWorker>(*this); }
@@ -77,9 +77,9 @@ class MixedIntegrator : public Integrator {
     /// Discrete samples over pixel and shutter.
     void render_discrete(int x, int y, const Sampler::Pixel& pixel, DiscreteLayer layer, RaySink& sink,
                          Monitor& monitor) {
-      const auto use = [&](const Ray& ray, float time, const auto& hit) {
+      const auto use = [&](const Ray& ray, float time, const auto& hit, SampleKey key) {
         if (!hit) return sink.add({ShadedRay::Kind::discrete, {}, 0});
-        const ShadedSegment seen = shade_hit(ray, time, *hit);
+        const ShadedSegment seen = shade_hit(ray, time, *hit, key);
         sink.add({ShadedRay::Kind::discrete, {&seen, 1}, 1});
       };
       trace_discrete(x, y, pixel, context_.sampler.count(), layer, monitor, use);
@@ -117,10 +117,10 @@ class MixedIntegrator : public Integrator {
       const uint32_t count = plan.tc_rays;
       Look all, own;
       uint32_t index = 0;
-      const auto use = [&](const Ray& ray, float time, const auto& hit) {
+      const auto use = [&](const Ray& ray, float time, const auto& hit, SampleKey key) {
         Look look{integrator_.shot_.background, {}, {}, 0};
         if (hit) {
-          const ShadedSegment seen = shade_hit(ray, still_time(time), *hit);
+          const ShadedSegment seen = shade_hit(ray, still_time(time), *hit, key);
           look = {seen.colour, seen.normal, seen.albedo, 1};
         }
         all += look;
@@ -132,7 +132,7 @@ class MixedIntegrator : public Integrator {
       return correction;
     }
 
-    /// Calls use(ray, time, hit) for the pixel's first `count` samples.
+    /// Calls use(ray, time, hit, key) for the pixel's first `count` samples.
     template <class Use>
     void trace_discrete(int x, int y, const Sampler::Pixel& pixel, uint32_t count, DiscreteLayer layer,
                         Monitor& monitor, const Use& use) {
@@ -144,18 +144,18 @@ class MixedIntegrator : public Integrator {
           batch_[i] = context_.ray(x, y, point);
           times_[i] = point.time;
         }
-        integrator_.scene_.intersect(std::span(batch_).first(size), std::span(times_).first(size),
-                                     std::span(hits_).first(size), layer);
+        integrator_.scene_->intersect(std::span(batch_).first(size), std::span(times_).first(size),
+                                      std::span(hits_).first(size), layer);
         discrete_rays_ += size;
         for (uint32_t i = 0; i < size; ++i) {
           discrete_hits_ += hits_[i].has_value();
-          use(batch_[i], times_[i], hits_[i]);
+          use(batch_[i], times_[i], hits_[i], {pixel.seed, begin + i});
         }
       }
     }
 
-    ShadedSegment shade_hit(const Ray& ray, float time, const DiscreteHit& hit) const {
-      const Shade shade = context_.shader.shade(ray, hit.mesh, hit.triangle, time);
+    ShadedSegment shade_hit(const Ray& ray, float time, const DiscreteHit& hit, SampleKey key) const {
+      const Shade shade = context_.shader.shade(ray, hit.mesh, hit.triangle, time, key);
       return {time, time, hit.dist, hit.dist, shade.colour, shade.normal, shade.albedo, hit.mesh, hit.triangle};
     }
 
@@ -240,7 +240,7 @@ class MixedIntegrator : public Integrator {
   PixelPlan fixed_plan_;  // else
   int shading_samples_;
   MotionMask mask_;
-  DiscreteScene scene_;
+  std::shared_ptr<const DiscreteScene> scene_;
   Tracer tracer_;
 };
 

@@ -16,8 +16,8 @@ inline constexpr std::pair<std::string_view, SamplerKind> kSamplerNames[] = {
     {"owen-sobol", SamplerKind::owen_sobol},
     {"multi-jitter", SamplerKind::multi_jitter},
     {"random", SamplerKind::random}};
-inline constexpr std::pair<std::string_view, ShadingKind> kShadingNames[] = {{"normal", ShadingKind::normal},
-                                                                             {"flat", ShadingKind::flat}};
+inline constexpr std::pair<std::string_view, ShadingKind> kShadingNames[] = {
+    {"normal", ShadingKind::normal}, {"flat", ShadingKind::flat}, {"whitted", ShadingKind::whitted}};
 inline constexpr std::pair<std::string_view, FilterKind> kFilterNames[] = {
     {"box", FilterKind::box}, {"gaussian", FilterKind::gaussian}, {"blackman-harris", FilterKind::blackman_harris}};
 inline constexpr std::pair<std::string_view, Aov> kAovNames[] = {

@@ -11,7 +11,8 @@ namespace {
 
 class QmcIntegrator : public Integrator {
  public:
-  QmcIntegrator(const Shot& shot, const PixelContext& context) : context_(context), scene_(shot.meshes) {}
+  QmcIntegrator(const Shot& shot, const PixelContext& context)
+      : context_(context), scene_(discrete_scene(shot, context.shader)) {}
 
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<QmcWorker>(*this); }
 
@@ -30,10 +31,10 @@ class QmcIntegrator : public Integrator {
           rays_[i] = context_.ray(x, y, point);
           times_[i] = point.time;
         }
-        integrator_.scene_.intersect(std::span(rays_).first(count), std::span(times_).first(count),
-                                     std::span(hits_).first(count));
+        integrator_.scene_->intersect(std::span(rays_).first(count), std::span(times_).first(count),
+                                      std::span(hits_).first(count));
         ray_count_ += count;
-        for (uint32_t i = 0; i < count; ++i) add(rays_[i], times_[i], hits_[i], sink);
+        for (uint32_t i = 0; i < count; ++i) add(rays_[i], times_[i], hits_[i], {pixel.seed, begin + i}, sink);
       }
     }
 
@@ -44,10 +45,10 @@ class QmcIntegrator : public Integrator {
     }
 
    private:
-    void add(const Ray& ray, float time, const std::optional<DiscreteHit>& hit, RaySink& sink) {
+    void add(const Ray& ray, float time, const std::optional<DiscreteHit>& hit, SampleKey key, RaySink& sink) {
       if (!hit) return sink.add({ShadedRay::Kind::discrete, {}, 0});
       ++hit_count_;
-      const Shade shade = context_.shader.shade(ray, hit->mesh, hit->triangle, time);
+      const Shade shade = context_.shader.shade(ray, hit->mesh, hit->triangle, time, key);
       const ShadedSegment seen{time,         time,         hit->dist, hit->dist,    shade.colour,
                                shade.normal, shade.albedo, hit->mesh, hit->triangle};
       sink.add({ShadedRay::Kind::discrete, {&seen, 1}, 1});
@@ -63,7 +64,7 @@ class QmcIntegrator : public Integrator {
   };
 
   const PixelContext& context_;
-  DiscreteScene scene_;
+  std::shared_ptr<const DiscreteScene> scene_;
 };
 
 }  // namespace

@@ -18,6 +18,7 @@ constexpr int kTileSize = 16;                     // pixels
 constexpr int kMaxSide = 65536;                   // pixels
 constexpr int64_t kMaxPixels = int64_t{1} << 28;  // of the part that is rendered
 constexpr int kMaxShadingSamples = 1 << 16;
+constexpr int kMostDepth = 64;
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::bad_usage, "", what); }
 
@@ -32,6 +33,8 @@ void check(const Projection& p, const RenderParams& params, const Crop& crop) {
     refuse("more than " + std::to_string(kMaxPixels) + " pixels; render it in parts with a crop");
   if (params.shading_samples < 1 || params.shading_samples > kMaxShadingSamples)
     refuse("shading samples must be 1 to " + std::to_string(kMaxShadingSamples));
+  if (params.max_depth < 0 || params.max_depth > kMostDepth)
+    refuse("the depth of reflections must be 0 to " + std::to_string(kMostDepth));
   if (params.threads < 0) refuse("the number of threads must not be negative");
 }
 
@@ -101,6 +104,7 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
   if (params.integrator != IntegratorKind::qmc) put("kairos:shading_samples", params.shading_samples);
   put("kairos:sampler", std::string(name_of(kSamplerNames, params.sampler)));
   put("kairos:shading", std::string(name_of(kShadingNames, params.shading)));
+  if (params.shading == ShadingKind::whitted) put("kairos:max_depth", params.max_depth);
   put("kairos:filter", std::string(name_of(kFilterNames, params.filter)));
   put("kairos:seed", std::to_string(params.seed));
   put("kairos:shutter", std::array<double, 2>{shot.shutter_open, shot.shutter_close});
@@ -119,15 +123,15 @@ Image render(const Shot& shot, const RenderParams& params, RenderStats* stats_ou
   check(shot.projection, params, crop);
   const int samples = sample_count(params);
   const bool want_normal = std::find(params.aovs.begin(), params.aovs.end(), Aov::normal) != params.aovs.end();
-  const PixelContext context{CameraRays(shot.projection),
-                             Sampler(params.sampler, static_cast<uint32_t>(std::max(samples, 0)), params.seed),
-                             PixelFilter(params.filter), Shader(shot, params.shading, want_normal)};
   Film film(shot.projection.width, shot.projection.height, crop, params.aovs);
 
   const ThreadLimit limit(params.threads);
   RenderStats stats;
   stats.threads = thread_count();
   auto start = std::chrono::steady_clock::now();
+  const PixelContext context{CameraRays(shot.projection),
+                             Sampler(params.sampler, static_cast<uint32_t>(std::max(samples, 0)), params.seed),
+                             PixelFilter(params.filter), Shader(shot, params.shading, want_normal, params.max_depth)};
   const auto integrator = make_integrator(shot, params, context, stats);
   stats.build_seconds = seconds_since(start);
 

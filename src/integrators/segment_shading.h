@@ -19,6 +19,7 @@ class SegmentShading {
   /// Appends the shaded parts of the segments of ray `index` of a pixel to `out`. phase: see spread_samples.
   void shade(const Ray& ray, std::span<const Segment> segments, uint64_t pixel_seed, uint32_t index, float phase,
              std::vector<ShadedSegment>& out) {
+    if (pixel_seed != key_.seed) key_ = {pixel_seed, 0};
     const double share = unit_float(hash(pixel_seed, index, kShareDimension));
     spread_samples(
         segments, samples_per_ray_, share, phase, [&](const Segment& s) { return context_.shader.varies(s.mesh); },
@@ -32,8 +33,9 @@ class SegmentShading {
  private:
   static constexpr uint64_t kShareDimension = 3;  // beside x, y and time
 
-  ShadedSegment shade_one(const Ray& ray, const Segment& segment, const ShadingSample& sample) const {
-    const Shade shade = context_.shader.shade(ray, segment.mesh, segment.triangle, sample.time);
+  ShadedSegment shade_one(const Ray& ray, const Segment& segment, const ShadingSample& sample) {
+    const Shade shade = context_.shader.shade(ray, segment.mesh, segment.triangle, sample.time, key_);
+    ++key_.index;
     const auto dist_at = [&](float time) {
       return segment.dist_begin +
              (segment.dist_end - segment.dist_begin) * ((time - segment.begin) / segment.duration());
@@ -45,6 +47,7 @@ class SegmentShading {
   const PixelContext& context_;
   int samples_per_ray_;
   std::vector<ShadingSample> samples_;
+  SampleKey key_;  // of the next shading sample: numbered through each pixel
   uint64_t evaluations_ = 0;
 };
 

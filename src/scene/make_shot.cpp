@@ -157,6 +157,7 @@ Shot make_shot(const Scene& scene, const ShotOptions& options) {
   shot.shutter_open = window.open;
   shot.shutter_close = window.close;
   shot.world_from_camera = view.world_from_camera();
+  shot.camera_position = view.camera_position();
   shot.camera_moves = view.camera_moves();
 
   shot.meshes.resize(scene.meshes.size());

@@ -133,4 +133,13 @@ std::function<std::array<Vec3d, 3>(double)> View::world_from_camera() const {
   };
 }
 
+std::function<Vec3d(double)> View::camera_position() const {
+  if (space_ == ShotOptions::Space::world) return [](double) { return Vec3d{}; };
+  const auto origin = [](const Mat4& world_from_camera) { return transform_point(world_from_camera, {0, 0, 0}); };
+  if (!camera_moves_) return [resting = origin(inverse_affine(resting_))](double) { return resting; };
+  return [motion = motion_, window = window_, origin](double time) {
+    return origin(motion->at(window.scene_time(time), time < 1 ? Side::after : Side::before));
+  };
+}
+
 }  // namespace kairos

@@ -61,6 +61,8 @@ class View {
 
   /// Rotation camera -> world (columns) at a shutter time.
   std::function<std::array<Vec3d, 3>(double time)> world_from_camera() const;
+  /// Origin of the space that meshes are wanted in, in the world, at a shutter time.
+  std::function<Vec3d(double time)> camera_position() const;
 
  private:
   Mat4 camera_from_world(double scene_time, Side side) const;

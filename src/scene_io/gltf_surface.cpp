@@ -15,6 +15,7 @@ float factor(double value, double lowest, double highest) {
   return static_cast<float>(std::clamp(value, lowest, highest));
 }
 
+constexpr double kQuarterTurn = 1.5707964;  // as a float has it, rounded up
 constexpr double kLargest = 1e30;  // of what has no upper limit: far above any light, far below float's overflow
 
 /// Number `key` of extension `name`, or `otherwise`.
@@ -89,6 +90,7 @@ Material read_material(Document& document, const tinygltf::Material& source, con
   material.ior = factor(extension_number(source.extensions, "KHR_materials_ior", "ior", 1.5), 0, kLargest);
   material.transmission =
       factor(extension_number(source.extensions, "KHR_materials_transmission", "transmissionFactor", 0), 0, 1);
+  material.thin_walled = !(extension_number(source.extensions, "KHR_materials_volume", "thicknessFactor", 0) > 0);
   if (source.alphaMode == "MASK")
     material.alpha_mode = Material::AlphaMode::mask;
   else if (source.alphaMode == "BLEND")
@@ -153,6 +155,13 @@ std::vector<Light> read_lights(const Document& document, const std::vector<int>&
       result.push_back(PointLight{to_float({m.m[3][0], m.m[3][1], m.m[3][2]}), radiometric});
     } else if (light.type == "directional") {
       result.push_back(DirectionalLight{to_float(normalize(transform_vector(m, {0, 0, -1}))), radiometric});
+    } else if (light.type == "spot") {
+      const double inner = light.spot.innerConeAngle, outer = light.spot.outerConeAngle;
+      if (!(inner >= 0 && inner <= outer && outer <= kQuarterTurn))
+        document.fail(where, "its light's cone angles make no sense");
+      result.push_back(SpotLight{to_float({m.m[3][0], m.m[3][1], m.m[3][2]}),
+                                 to_float(normalize(transform_vector(m, {0, 0, -1}))), radiometric,
+                                 static_cast<float>(std::cos(inner)), static_cast<float>(std::cos(outer))});
     } else {
       warnings.add(where, "a light of type '" + printable(light.type) + "' is left out");
     }

@@ -1,5 +1,6 @@
 #include "scene_io/native_parts.h"
 
+#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -54,6 +55,16 @@ Light read_light(const JsonNode& node) {
     node.expect_fields({"type", "position", "intensity"});
     return PointLight{to_float(node.at("position").vec3()), node.at("intensity").color()};
   }
+  if (type == "spot") {
+    node.expect_fields({"type", "position", "direction", "intensity", "inner_degrees", "outer_degrees"});
+    const Vec3d direction = normalize(node.at("direction").vec3());
+    if (direction == Vec3d{}) node.at("direction").fail("a direction cannot be zero");
+    const double outer = node.at("outer_degrees").number(0, 90);
+    const auto inner = node.find("inner_degrees");
+    const auto cosine = [](double degrees) { return static_cast<float>(std::cos(degrees * std::numbers::pi / 180)); };
+    return SpotLight{to_float(node.at("position").vec3()), to_float(direction), node.at("intensity").color(),
+                     cosine(inner ? inner->number(0, outer) : 0), cosine(outer)};
+  }
   if (type == "directional") {
     node.expect_fields({"type", "direction", "irradiance"});
     const Vec3d direction = normalize(node.at("direction").vec3());
@@ -64,7 +75,7 @@ Light read_light(const JsonNode& node) {
     node.expect_fields({"type", "radiance"});
     return ConstantLight{node.at("radiance").color()};
   }
-  node.at("type").fail("unknown light '" + printable(type) + "'; expected point, directional or constant");
+  node.at("type").fail("unknown light '" + printable(type) + "'; expected point, spot, directional or constant");
 }
 
 std::vector<double> read_key_times(const std::vector<JsonNode>& keys) {

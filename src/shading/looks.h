@@ -22,6 +22,8 @@ class Looks {
   /// False when the mesh looks the same all over.
   bool is_textured(uint32_t mesh) const { return entries_[mesh].is_textured; }
 
+  bool has_emission_texture(uint32_t mesh) const { return is_textured(mesh) && entries_[mesh].textures->emission; }
+
   /// vertices: the triangle's at that instant; weights: barycentric, of the point. width: of the piece of surface that
   /// the look stands for, in scene units. It decides how fine a copy of each picture is looked at. A pixel that sees a
   /// surface at a slant sees a longer piece than a wide one: the width is meant, since what is too fine along the

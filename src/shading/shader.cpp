@@ -6,16 +6,18 @@
 
 namespace kairos {
 
-Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal)
+Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_depth)
     : shot_(shot),
-      looks_(shot),
+      looks_(std::make_unique<const Looks>(shot)),
       cone_(shot.projection),
       kind_(kind),
       want_normal_(want_normal || kind == ShadingKind::normal) {
+  if (kind == ShadingKind::whitted)
+    whitted_ = std::make_unique<const Whitted>(shot, *looks_, cone_.spread(), max_depth);
   for (uint32_t m = 0; m < shot.meshes.size(); ++m) {
     const Mesh& mesh = shot.meshes[m];
     const bool still = mesh.is_static() && mesh.normals.size() < 2 && !shot.camera_moves;
-    varies_.push_back((want_normal_ || looks_.is_textured(m)) && !still);
+    varies_.push_back(whitted_ || ((want_normal_ || looks_->is_textured(m)) && !still));
   }
   if (!shot.world_from_camera)
     world_from_camera_ = {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
@@ -35,16 +37,18 @@ Vec3f Shader::normal(const Ray& ray, uint32_t mesh_index, uint32_t triangle, flo
   return to_float(normalize(axes[0] * n.x + axes[1] * n.y + axes[2] * n.z));
 }
 
-Look Shader::look(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
-  if (!looks_.is_textured(mesh)) return looks_.at(mesh, triangle, {}, {}, 0);
+Look Shader::look(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, double& width) const {
+  if (!looks_->is_textured(mesh) && !whitted_) return looks_->at(mesh, triangle, {}, {}, 0);
   const std::array<Vec3d, 3> vertices = triangle_at(shot_.meshes[mesh], triangle, time);
   const std::array<float, 3> weights = barycentrics(vertices, ray);
-  return looks_.at(mesh, triangle, vertices, weights, cone_.width_at(point_of(vertices, weights), ray));
+  width = cone_.width_at(point_of(vertices, weights), ray);
+  return looks_->at(mesh, triangle, vertices, weights, width);
 }
 
-Shade Shader::shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
+Shade Shader::shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, SampleKey key) const {
   Shade shade;
-  const Look seen = look(ray, mesh, triangle, time);
+  double width = 0;
+  const Look seen = look(ray, mesh, triangle, time, width);
   shade.albedo = seen.base_colour;
   if (want_normal_) shade.normal = normal(ray, mesh, triangle, time);
   switch (kind_) {
@@ -53,6 +57,9 @@ Shade Shader::shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time
       break;
     case ShadingKind::flat:
       shade.colour = seen.base_colour + seen.emission;
+      break;
+    case ShadingKind::whitted:
+      shade.colour = whitted_->radiance(ray, mesh, triangle, time, width, key);
       break;
   }
   return shade;

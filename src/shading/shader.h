@@ -2,13 +2,16 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include <kairos/render.h>
 
+#include "shading/light_points.h"
 #include "shading/looks.h"
 #include "shading/pixel_cone.h"
+#include "shading/whitted.h"
 
 namespace kairos {
 
@@ -22,22 +25,26 @@ struct Shade {
 class Shader {
  public:
   /// want_normal: fill Shade::normal even where the colour does not need it.
-  Shader(const Shot& shot, ShadingKind kind, bool want_normal);
+  Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_depth = 8);
 
-  /// time: shutter time at which the ray sees the triangle.
-  Shade shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;
+  /// time: shutter time at which the ray sees the triangle. key: only Whitted shading asks.
+  Shade shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, SampleKey key = {}) const;
 
   /// False when all instants at which a ray sees one of the mesh's triangles look the same.
   bool varies(uint32_t mesh) const { return varies_[mesh]; }
 
+  /// Discrete rays on the shot, where shading needs them itself; for others to share.
+  std::shared_ptr<const DiscreteScene> discrete() const { return whitted_ ? whitted_->scene() : nullptr; }
+
  private:
   Vec3f normal(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;
-  Look look(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;
+  Look look(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, double& width) const;
 
   const Shot& shot_;
-  Looks looks_;
+  std::unique_ptr<const Looks> looks_;  // which whitted_ points to
   PixelCone cone_;
-  std::vector<bool> varies_;  // [mesh]
+  std::unique_ptr<const Whitted> whitted_;  // where it is wanted
+  std::vector<bool> varies_;                // [mesh]
   ShadingKind kind_;
   bool want_normal_;
   std::optional<std::array<Vec3d, 3>> world_from_camera_;  // when the camera stands still

@@ -1,0 +1,101 @@
+#include "shading/lights.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shading/surface.h"
+
+namespace kairos {
+
+namespace {
+
+struct Arrival {
+  Vec3d point;
+  const Place& place;
+
+  std::optional<ArrivingLight> operator()(const PointLight& light) const {
+    const Vec3d way = place.point_from_world(to_double(light.position)) - point;
+    const double dist_squared = dot(way, way);
+    if (!(dist_squared > 0)) return std::nullopt;
+    return ArrivingLight{normalize(way), std::sqrt(dist_squared), light.intensity / static_cast<float>(dist_squared)};
+  }
+  std::optional<ArrivingLight> operator()(const SpotLight& light) const {
+    auto arriving = (*this)(PointLight{light.position, light.intensity});
+    if (!arriving) return arriving;
+    const double cosine = -dot(arriving->direction, place.vector_from_world(to_double(light.direction)));
+    const double inner = light.cos_inner, outer = light.cos_outer;
+    if (cosine <= outer) return std::nullopt;
+    const double falloff = inner > outer ? std::min(1.0, (cosine - outer) / (inner - outer)) : 1.0;
+    arriving->irradiance = arriving->irradiance * static_cast<float>(falloff * falloff);
+    return arriving;
+  }
+  std::optional<ArrivingLight> operator()(const DirectionalLight& light) const {
+    const Vec3d direction = normalize(place.vector_from_world(-to_double(light.direction)));
+    return ArrivingLight{direction, std::numeric_limits<double>::infinity(), light.irradiance};
+  }
+  std::optional<ArrivingLight> operator()(const ConstantLight&) const { return std::nullopt; }
+};
+
+float brightness(Vec3f c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }  // Rec. 709
+
+double area_of(const std::array<Vec3d, 3>& v) { return length(cross(v[1] - v[0], v[2] - v[0])) / 2; }
+
+}  // namespace
+
+Lights::Lights(const Shot& shot, const Looks& looks) : shot_(shot), background_(shot.background) {
+  for (const Light& light : shot.lights) {
+    if (const auto* constant = std::get_if<ConstantLight>(&light))
+      environment_ += constant->radiance;
+    else
+      punctual_.push_back(light);
+  }
+  add_areas(looks);
+  if (!punctual_.empty() || has_areas() || has_environment()) return;
+  environment_ = Vec3f{1, 1, 1} * kDefaultAmbient;
+  std::array<Vec3d, 3> axes = Place{}.axes;
+  if (shot.world_from_camera) axes = shot.world_from_camera(0);
+  const Vec3d travels = normalize(axes[0] * 0.5 + axes[1] * -0.7 + axes[2] * -1.0);
+  punctual_.push_back(DirectionalLight{to_float(travels), Vec3f{1, 1, 1} * kDefaultIrradiance});
+}
+
+void Lights::add_areas(const Looks& looks) {
+  double sum = 0;
+  for (uint32_t m = 0; m < shot_.meshes.size(); ++m) {
+    const Mesh& mesh = shot_.meshes[m];
+    if (looks.has_emission_texture(m)) continue;
+    const double radiance = brightness(looks.material(m).emission);
+    if (!(radiance > 0) || !std::isfinite(radiance)) continue;
+    for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      sum += radiance * std::max(area_of(triangle_at(mesh, i, 0)), area_of(triangle_at(mesh, i, 1)));
+      areas_.push_back({m, i, sum});
+    }
+  }
+  if (!(sum > 0) || !std::isfinite(sum)) return areas_.clear();
+  for (AreaTriangle& one : areas_) one.end /= sum;
+}
+
+std::optional<ArrivingLight> Lights::punctual(size_t index, Vec3d point, const Place& place) const {
+  return std::visit(Arrival{point, place}, punctual_[index]);
+}
+
+std::optional<ArrivingLight> Lights::area(Vec3d point, float time, const std::array<float, 3>& sample) const {
+  const auto above = std::upper_bound(areas_.begin(), areas_.end(), static_cast<double>(sample[0]),
+                                      [](double value, const AreaTriangle& one) { return value < one.end; });
+  const auto chosen = above == areas_.end() ? areas_.end() - 1 : above;
+  const double probability = chosen->end - (chosen == areas_.begin() ? 0 : (chosen - 1)->end);
+  const Mesh& mesh = shot_.meshes[chosen->mesh];
+  const std::array<Vec3d, 3> v = triangle_at(mesh, chosen->triangle, time);
+  // Uniform on the triangle: G. Turk, in Graphics Gems, 1990.
+  const double root = std::sqrt(static_cast<double>(sample[1])), along = sample[2];
+  const Vec3d target = v[0] * (1 - root) + v[1] * (root * (1 - along)) + v[2] * (root * along);
+  const Vec3d way = target - point;
+  const double dist_squared = dot(way, way), dist = std::sqrt(dist_squared);
+  if (!(dist > 0) || !(probability > 0)) return std::nullopt;
+  const double cosine = std::abs(dot(geometric_normal(v), way)) / dist;
+  const Vec3f emission = shot_.materials[mesh.material].emission;
+  const double factor = cosine * area_of(v) / (dist_squared * probability);
+  if (!(factor > 0) || !std::isfinite(factor)) return std::nullopt;
+  return ArrivingLight{way / dist, dist, emission * static_cast<float>(factor)};
+}
+
+}  // namespace kairos

@@ -1,0 +1,71 @@
+// What lights a scene: lights of the scene file, emissive meshes, the environment.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <kairos/scene.h>
+
+#include "shading/looks.h"
+
+namespace kairos {
+
+/// Where the shot's space is in the world at an instant.
+struct Place {
+  std::array<Vec3d, 3> axes{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};  ///< of the shot's space, in the world
+  Vec3d origin;
+
+  Vec3d vector_from_world(Vec3d v) const { return {dot(axes[0], v), dot(axes[1], v), dot(axes[2], v)}; }
+  Vec3d point_from_world(Vec3d p) const { return vector_from_world(p - origin); }
+};
+
+/// Light that arrives at a point from one direction, if nothing is in between.
+struct ArrivingLight {
+  Vec3d direction;  ///< unit, towards the light, in the shot's space
+  double dist = std::numeric_limits<double>::infinity();
+  Vec3f irradiance;  ///< on a surface that faces it
+};
+
+/// Reads the shot, which must outlive it. Safe to use from many threads at once.
+class Lights {
+ public:
+  /// Light in a scene without any: see docs/command-line.md.
+  static constexpr float kDefaultAmbient = 0.4f;     ///< radiance of the environment
+  static constexpr float kDefaultIrradiance = 2.2f;  ///< of a light from behind the camera's left shoulder
+
+  Lights(const Shot& shot, const Looks& looks);
+
+  /// Point, spot and directional lights.
+  size_t punctual_count() const { return punctual_.size(); }
+  /// Nothing where the light does not reach.
+  std::optional<ArrivingLight> punctual(size_t index, Vec3d point, const Place& place) const;
+
+  /// Meshes whose emission is the same all over light others; those with an emission texture only glow.
+  bool has_areas() const { return !areas_.empty(); }
+  /// From a random place on all of them, divided by its probability: the expectation is the irradiance of all. sample:
+  /// uniform in [0, 1)^3.
+  std::optional<ArrivingLight> area(Vec3d point, float time, const std::array<float, 3>& sample) const;
+
+  /// The same from everywhere.
+  bool has_environment() const { return environment_ != Vec3f{}; }
+  Vec3f environment() const { return environment_; }
+  /// What a reflected or refracted ray sees that leaves the scene: the environment, or else the background.
+  Vec3f beyond() const { return has_environment() ? environment_ : background_; }
+
+ private:
+  struct AreaTriangle {
+    uint32_t mesh, triangle;
+    double end;  // of its part of [0, 1]
+  };
+  void add_areas(const Looks& looks);
+
+  const Shot& shot_;
+  std::vector<Light> punctual_;
+  std::vector<AreaTriangle> areas_;
+  Vec3f environment_, background_;
+};
+
+}  // namespace kairos

@@ -1,0 +1,75 @@
+// How a point of a surface divides the light that falls on it: docs/method.md, "Whitted shading".
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <kairos/scene.h>
+
+#include "shading/looks.h"
+
+namespace kairos {
+
+/// Exact unpolarised reflectance of a smooth boundary. cosine: of the incoming ray, 0 to 1; eta: refractive index ahead
+/// over that behind. 1 for total reflection.
+inline double fresnel(double cosine, double eta) {
+  const double sine_squared = (1 - cosine * cosine) / (eta * eta);
+  if (sine_squared >= 1) return 1;
+  const double inside = std::sqrt(1 - sine_squared);
+  const double parallel = (eta * cosine - inside) / (eta * cosine + inside);
+  const double perpendicular = (cosine - eta * inside) / (cosine + eta * inside);
+  return (parallel * parallel + perpendicular * perpendicular) / 2;
+}
+
+/// Shares of the light from one direction: they sum to no more than 1 in each colour, and to 1 for a white surface.
+struct Reflectance {
+  Vec3f diffuse;     ///< scattered evenly (Lambert)
+  Vec3f highlight;   ///< scattered around the mirror direction
+  Vec3f mirror;      ///< reflected as by a mirror
+  Vec3f through;     ///< let through, refracted
+  double alpha = 1;  ///< width of the highlight: GGX's parameter
+};
+
+/// Rougher than this, nothing is a mirror any more.
+inline constexpr float kRoughestMirror = 0.2f;
+
+/// cosine: between the normal and the viewer, 0 to 1. entering: the ray comes from outside of the surface.
+inline Reflectance reflectance(const Material& material, const Look& look, double cosine, bool entering) {
+  const double ior = std::max(1.0f, material.ior);
+  const bool can_leave = material.transmission > 0 && !material.thin_walled;
+  double fresnel_share = fresnel(cosine, entering || !can_leave ? ior : 1 / ior);
+  // Both faces of a thin wall, and what goes to and fro between them.
+  if (material.thin_walled && material.transmission > 0) fresnel_share = 2 * fresnel_share / (1 + fresnel_share);
+
+  const float rough = std::clamp(look.roughness, 0.0f, 1.0f), gloss = 1 - rough;
+  const float metal = std::clamp(look.metallic, 0.0f, 1.0f), other = 1 - metal;
+  const float smooth = std::max(0.0f, 1 - rough / kRoughestMirror);
+  const float glass = material.transmission;
+  const auto grazing = static_cast<float>(std::pow(1 - cosine, 5));  // C. Schlick 1994
+
+  const Vec3f base = look.base_colour, white{1, 1, 1};
+  const Vec3f metal_colour = base + (white - base) * (grazing * gloss);
+  const float coat = static_cast<float>(fresnel_share) * (glass + gloss * (1 - glass));
+  const float coat_mirror = glass + smooth * (1 - glass);
+
+  Reflectance r;
+  r.mirror = white * (other * coat * coat_mirror) + metal_colour * (metal * smooth);
+  r.highlight = white * (other * coat * (1 - coat_mirror)) + metal_colour * (metal * (1 - smooth) * gloss);
+  r.diffuse = base * (other * (1 - coat) * (1 - glass)) + metal_colour * (metal * (1 - smooth) * rough);
+  r.through = base * (other * (1 - coat) * glass);
+  r.alpha = std::max(rough, kRoughestMirror) * std::max(rough, kRoughestMirror);
+  return r;
+}
+
+/// GGX highlight (B. Walter and others 2007; height-correlated shadowing, E. Heitz 2014), without its reflectance, per
+/// steradian. All vectors unit; cosines with the normal positive.
+inline double highlight_lobe(Vec3d normal, Vec3d to_viewer, Vec3d to_light, double alpha) {
+  const Vec3d half = normalize(to_viewer + to_light);
+  const double n_h = std::max(0.0, dot(normal, half)), n_v = dot(normal, to_viewer), n_l = dot(normal, to_light);
+  const double a2 = alpha * alpha, slope = n_h * n_h * (a2 - 1) + 1;
+  const double spread = a2 / (3.14159265358979323846 * slope * slope);
+  const double shadowing = n_l * std::sqrt(n_v * n_v * (1 - a2) + a2) + n_v * std::sqrt(n_l * n_l * (1 - a2) + a2);
+  return shadowing > 0 ? spread / (2 * shadowing) : 0;
+}
+
+}  // namespace kairos

@@ -1,0 +1,252 @@
+// Whitted shading against what light must do, computed by hand.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "discrete/discrete_scene.h"
+#include "shading/shader.h"
+#include "whitted_scene.h"
+
+namespace kairos {
+namespace {
+
+/// What the ray sees, in the mean over `samples` shading samples.
+Vec3f seen(const Shot& shot, const Ray& ray, uint32_t samples = 1, int max_depth = 8, float time = 0.5f) {
+  const Shader shader(shot, ShadingKind::whitted, false, max_depth);
+  const auto hit = shader.discrete()->intersect(ray, time);
+  if (!hit) {
+    ADD_FAILURE() << "the ray sees nothing";
+    return {};
+  }
+  Vec3d sum;
+  for (uint32_t i = 0; i < samples; ++i)
+    sum += to_double(shader.shade(ray, hit->mesh, hit->triangle, time, {7, i}).colour);
+  return to_float(sum / static_cast<double>(samples));
+}
+
+const Mesh kFloor = parallelogram({-10, -1, 10}, {20, 0, 0}, {0, 0, -20}, 0);  // y = -1, facing up
+
+Shot floor_shot(Vec3f colour = {0.5f, 0.25f, 1}) {
+  Shot shot;
+  shot.meshes = {kFloor};
+  shot.materials = {lambert(colour)};
+  return shot;
+}
+
+const Ray kDown{{0, 0, 0}, {1, -1, -2}};  // meets the floor at (1, -1, -2)
+
+void expect_near(Vec3f actual, Vec3f expected, double tolerance) {
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(actual[c], expected[c], tolerance) << "component " << c;
+}
+
+TEST(Whitted, LambertUnderAPointLight) {
+  Shot shot = floor_shot();
+  shot.lights = {PointLight{{4, 3, -2}, {10, 20, 30}}};
+  // 3 to the side, 4 above: 5 away, cosine 4/5.
+  const double factor = 0.8 / 25 / M_PI;
+  expect_near(seen(shot, kDown), to_float({10 * 0.5 * factor, 20 * 0.25 * factor, 30 * factor}), 1e-6);
+}
+
+TEST(Whitted, ADirectionalLightDoesNotFadeAndASpotDoes) {
+  Shot shot = floor_shot({1, 1, 1});
+  shot.lights = {DirectionalLight{normalize(Vec3f{0, -4, 3}), {M_PI, 0, 0}}};
+  EXPECT_NEAR(seen(shot, kDown).x, 0.8, 1e-6);
+  // From 2 above; its axis 30 degrees off the way to the point.
+  SpotLight spot{{1, 1, -2}, to_float({std::sin(M_PI / 6), -std::cos(M_PI / 6), 0}), {4 * M_PI, 0, 0}, 1, 0};
+  const auto lit = [&](double inner, double outer) {
+    spot.cos_inner = static_cast<float>(std::cos(inner));
+    spot.cos_outer = static_cast<float>(std::cos(outer));
+    shot.lights = {spot};
+    return seen(shot, kDown).x;
+  };
+  EXPECT_NEAR(lit(0.6, 0.7), 1, 1e-5) << "inside of the inner cone";
+  EXPECT_EQ(lit(0.3, 0.5), 0) << "outside of the outer one";
+  const double middle = std::cos(M_PI / 6), inner = std::cos(0.4), outer = std::cos(0.8);
+  EXPECT_NEAR(lit(0.4, 0.8), std::pow((middle - outer) / (inner - outer), 2), 1e-5);
+}
+
+TEST(Whitted, ShadowsAreCastAtTheSamplesTime) {
+  Shot shot = floor_shot();
+  shot.lights = {PointLight{{1, 9, -2}, {100, 100, 100}}};
+  Mesh blocker = box({0.5f, 1, -2.5f}, {1.5f, 2, -1.5f}, 0);  // in the light's way at first, then gone
+  blocker.positions.push_back(blocker.positions[0]);
+  for (Vec3f& p : blocker.positions[1]) p.x += 4;
+  blocker.key_times = {0, 1};
+  shot.meshes.push_back(blocker);
+  EXPECT_EQ(seen(shot, kDown, 1, 8, 0.0f).x, 0);
+  EXPECT_GT(seen(shot, kDown, 1, 8, 0.9f).x, 0.1f);
+}
+
+TEST(Whitted, ASquareLampGivesItsFormFactor) {
+  Shot shot = floor_shot({1, 1, 1});
+  shot.materials.push_back(lamp({3, 3, 3}));
+  shot.meshes.push_back(parallelogram({0, 1, -3}, {2, 0, 0}, {0, 0, 2}, 1));  // 2 above (1, -1, -2), centred there
+  // Four quarters of 1 x 1 at distance 2, each seen from below its corner: J. Howell, Radiation Configuration Factors.
+  const double side = 0.5, root = std::sqrt(1 + side * side),
+               quarter = 2 * side / root * std::atan(side / root) / (2 * M_PI);
+  const Vec3f mean = seen(shot, kDown, 1024);
+  EXPECT_NEAR(mean.x, 3 * 4 * quarter, 0.01);
+  // Stratified: an eighth of the samples are as good as that already.
+  EXPECT_NEAR(seen(shot, kDown, 128).x, 3 * 4 * quarter, 0.02);
+  shot.meshes.push_back(box({0.9f, 0, -2.1f}, {1.1f, 0.2f, -1.9f}, 0));
+  EXPECT_LT(seen(shot, kDown, 256).x, 0.99f * mean.x) << "a soft shadow";
+  EXPECT_GT(seen(shot, kDown, 256).x, 0.5f * mean.x);
+}
+
+TEST(Whitted, InAWhiteWorldWhiteThingsCannotBeSeen) {
+  Material metal = mirror({1, 1, 1}), rough_metal = metal, plastic = lambert({1, 1, 1});
+  rough_metal.roughness = 0.5f;
+  plastic.roughness = 0.1f;
+  Material pane = glass(1.5f);
+  pane.thin_walled = true;
+  for (const Material& material : {lambert({1, 1, 1}), metal, rough_metal, plastic, glass(1.5f), pane}) {
+    Shot shot;
+    shot.materials = {material};
+    shot.lights = {ConstantLight{{1, 2, 4}}};
+    shot.meshes = {box({-1, -1, -5}, {1, 1, -3}, 0)};
+    for (const Vec3f direction : {Vec3f{0, 0, -1}, Vec3f{0.2f, -0.15f, -1}, Vec3f{0.28f, 0.29f, -1}}) {
+      const Vec3f colour = seen(shot, {{0, 0, 0}, direction}, 16, 64);
+      expect_near(colour, {1, 2, 4}, 0.06);  // what is left out is below half a per cent of each reflection
+    }
+  }
+}
+
+TEST(Whitted, AMirrorShowsWhatIsInFrontOfIt) {
+  Shot shot;
+  shot.materials = {mirror({0.5f, 1, 1}), lamp({3, 0, 0}), lamp({0, 5, 0})};
+  // At 45 degrees behind z = -4; it turns rays along -z to +x. The lamp's halves meet at y = 0.
+  shot.meshes = {parallelogram({-1, -1, -3}, {2, 0, -2}, {0, 2, 0}, 0),
+                 parallelogram({3, 0, -6}, {0, 0, 4}, {0, 2, 0}, 1),
+                 parallelogram({3, -2, -6}, {0, 0, 4}, {0, 2, 0}, 2)};
+  const Ray up{{0, 0.1f, 0}, {0, 0, -1}}, down{{0, -0.1f, 0}, {0, 0, -1}};
+  const float grazing = 0.5f * std::pow(1 - std::sqrt(0.5f), 5.0f);  // Schlick's whitening
+  expect_near(seen(shot, up), {3 * (0.5f + grazing), 0, 0}, 1e-5);
+  expect_near(seen(shot, down), {0, 5, 0}, 1e-5);
+  EXPECT_EQ(seen(shot, up, 1, 0), Vec3f{}) << "no reflection is allowed";
+  shot.meshes.resize(1);
+  shot.materials[0].base_color.x = 1;
+  shot.background = {0.25f, 0.5f, 1};
+  shot.lights = {PointLight{{0, 0, 0}, {1, 1, 1}}};
+  expect_near(seen(shot, up), {0.25f, 0.5f, 1}, 1e-5);
+}
+
+TEST(Whitted, GlassBendsRaysAsSnellSays) {
+  const float ior = 1.5f;
+  Shot shot;
+  shot.materials = {glass(ior), lamp({1, 0, 0}), lamp({0, 1, 0})};
+  // A slab from z = -2 to z = -3; a ray at 45 degrees leaves it at x = 2 + tan(refracted), and goes on at 45 degrees.
+  const double inside = std::asin(std::sin(M_PI / 4) / ior), border = 2 + std::tan(inside) + 1;
+  const auto x = static_cast<float>(border);
+  shot.meshes = {box({-20, -20, -3}, {20, 20, -2}, 0), parallelogram({x, -5, -4}, {5, 0, 0}, {0, 10, 0}, 1),
+                 parallelogram({x - 5, -5, -4}, {5, 0, 0}, {0, 10, 0}, 2)};
+  const auto at = [&](float shift) { return seen(shot, {{shift, 0, 0}, {1, 0, -1}}); };
+  const double r = [&] {  // both faces, unpolarised, at 45 degrees
+    const double c = std::cos(M_PI / 4), i = std::cos(inside);
+    return (std::pow((c - ior * i) / (c + ior * i), 2) + std::pow((ior * c - i) / (ior * c + i), 2)) / 2;
+  }();
+  EXPECT_NEAR(at(0.001f).x, (1 - r) * (1 - r), 0.01);
+  EXPECT_LT(at(0.001f).y, 0.01);
+  EXPECT_NEAR(at(-0.001f).y, (1 - r) * (1 - r), 0.01);
+  shot.materials[0].thin_walled = true;
+  EXPECT_GT(at(-0.9f + x - 4 + 1e-3f + 0.9f).x, 0.5f) << "a thin wall bends nothing: x = 4 there";
+}
+
+TEST(Whitted, LightGoesThroughGlassAndIsColouredByIt) {
+  Shot shot = floor_shot({1, 1, 1});
+  shot.lights = {DirectionalLight{{0, -1, 0}, {M_PI, M_PI, M_PI}}};
+  shot.materials.push_back(glass(1.5f));
+  shot.materials[1].thin_walled = true;
+  shot.materials[1].base_color = {1, 0.5f, 0};
+  shot.meshes.push_back(parallelogram({-5, 1, 5}, {10, 0, 0}, {0, 0, -10}, 1));
+  const double through = 1 - 2 * 0.04 / 1.04;
+  expect_near(seen(shot, kDown), to_float({through, through / 2, 0}), 1e-5);
+}
+
+TEST(Whitted, LightsStayWhereTheyAreWhenTheCameraMoves) {
+  Shot still = floor_shot();
+  still.meshes.push_back(box({0.5f, 0, -4}, {1.2f, 1, -3}, 0));
+  still.lights = {PointLight{{4, 3, -2}, {10, 20, 30}}, DirectionalLight{normalize(Vec3f{1, -2, 0.5f}), {1, 1, 1}},
+                  SpotLight{{0, 4, 0}, normalize(Vec3f{0.1f, -1, -0.4f}), {9, 9, 9}, 0.95f, 0.5f}};
+  const Vec3f expected = seen(still, kDown);
+  Shot turned = still;  // seen from (3, 2, 1), after a turn about y
+  const double angle = 0.7;
+  const std::array<Vec3d, 3> axes{Vec3d{std::cos(angle), 0, -std::sin(angle)}, Vec3d{0, 1, 0},
+                                  Vec3d{std::sin(angle), 0, std::cos(angle)}};
+  const Vec3d eye{3, 2, 1};
+  turned.world_from_camera = [&](double) { return axes; };
+  turned.camera_position = [&](double) { return eye; };
+  const auto turn = [&](Vec3d v) { return to_float({dot(axes[0], v), dot(axes[1], v), dot(axes[2], v)}); };
+  for (Mesh& mesh : turned.meshes)
+    for (Vec3f& p : mesh.positions[0]) p = turn(to_double(p) - eye);
+  const Ray ray{turn(Vec3d{} - eye), turn(to_double(kDown.direction))};
+  expect_near(seen(turned, ray), expected, 1e-5);
+  EXPECT_GT(expected.x, 0.05f);
+}
+
+TEST(Whitted, ASceneWithoutLightGetsSome) {
+  const Shot shot = floor_shot({1, 1, 1});
+  const Vec3f colour = seen(shot, kDown, 64);
+  // All of the sky, and the lamp at its cosine.
+  const double cosine = 0.7 / std::sqrt(0.25 + 0.49 + 1);
+  EXPECT_NEAR(colour.x, Lights::kDefaultAmbient + Lights::kDefaultIrradiance / M_PI * cosine, 1e-4);
+  Shot lit = shot;
+  lit.lights = {PointLight{{0, 9, 0}, {0, 0, 1}}};
+  EXPECT_EQ(seen(lit, kDown).x, 0);
+}
+
+TEST(Whitted, PicturesAreTheSameForAnyNumberOfThreadsAndAnyCrop) {
+  Shot shot = floor_shot();
+  shot.projection.width = 48;
+  shot.projection.height = 32;
+  shot.materials.push_back(lamp({3, 3, 3}));
+  shot.materials.push_back(glass(1.5f));
+  shot.meshes.push_back(parallelogram({0, 1, -3}, {2, 0, 0}, {0, 0, 2}, 1));
+  shot.meshes.push_back(box({-1, -1, -5}, {0, 0, -4}, 2));
+  shot.meshes[2].positions.push_back(shot.meshes[2].positions[0]);
+  for (Vec3f& p : shot.meshes[2].positions[1]) p.x += 1;
+  shot.meshes[2].key_times = {0, 1};
+  for (const IntegratorKind kind : {IntegratorKind::tc, IntegratorKind::qmc, IntegratorKind::mixed}) {
+    RenderParams params;
+    params.integrator = kind;
+    params.shading = ShadingKind::whitted;
+    params.tc_rays = 4;
+    params.spp = 8;
+    params.threads = 1;
+    const Image one = render(shot, params);
+    params.threads = 3;
+    const Image three = render(shot, params);
+    params.crop = Crop{20, 40, 10, 30};
+    const Image part = render(shot, params);
+    for (const char* name : {"R", "G", "B"}) {
+      EXPECT_EQ(one.find(name)->values, three.find(name)->values);
+      for (size_t y = 0; y < 20; ++y)
+        for (size_t x = 0; x < 20; ++x)
+          ASSERT_EQ(part.find(name)->values[y * 20 + x], one.find(name)->values[(y + 10) * 48 + x + 20]);
+    }
+  }
+}
+
+TEST(LightPoints, AreSpreadEvenlyInEachDimensionAndOverTime) {
+  for (const uint64_t seed : {1u, 2u, 77u}) {
+    std::array<std::array<int, 64>, 3> strata{};
+    for (uint32_t i = 0; i < 64; ++i) {
+      const auto point = light_point(SampleKey{seed, i}.branch(5));
+      for (size_t d = 0; d < 3; ++d) ++strata[d][static_cast<size_t>(point[d] * 64)];
+    }
+    for (const auto& dimension : strata)
+      for (const int count : dimension) EXPECT_EQ(count, 1);
+  }
+  EXPECT_NE(light_point({1, 0}), light_point({2, 0}));
+}
+
+TEST(DiscreteScene, LooksNoFartherThanAsked) {
+  const std::vector<Mesh> meshes{kFloor};
+  const DiscreteScene scene(meshes);
+  const Ray ray{{0, 1, 0}, {0, -1, 0}};
+  EXPECT_TRUE(scene.intersect(ray, 0.5f, 2.01f));
+  EXPECT_FALSE(scene.intersect(ray, 0.5f, 1.99f));
+  EXPECT_FALSE(scene.intersect(ray, 0.5f, NAN));
+}
+
+}  // namespace
+}  // namespace kairos
