@@ -92,7 +92,7 @@ TEST(LoadScene, NativeScenesIncludeGltf) {
 TEST(LoadScene, NamesWhatItCannotRead) {
   const TempFolder folder;
   expect_error([] { load_scene({}); }, {"no scene file"}, ErrorCode::bad_usage);
-  expect_error([] { load_scene({"scene.fbx"}); }, {"scene.fbx", ".obj, .ply, .gltf, .glb or .json"});
+  expect_error([] { load_scene({"scene.fbx"}); }, {"scene.fbx", ".obj, .ply, .gltf, .glb, .pbrt or .json"});
   expect_error([&] { load_scene({folder.path("no.obj")}); }, {"no.obj", "cannot be opened"}, ErrorCode::io);
   expect_error([&] { load_scene({folder.write("x.ply", "solid")}); }, {"x.ply", "is it a PLY file?"});
 }

@@ -49,7 +49,7 @@ void add_scene_arguments(CLI::App& app, SceneArguments& out) {
   constexpr double kMostTolerance = 1e6;  // pixels
   constexpr int kMostSide = 65536;        // pixels, as render() has it
   app.add_option("SCENE", out.paths,
-                 "glTF, GLB, OBJ, PLY or native JSON; several OBJ or PLY files are motion keys of one mesh")
+                 "glTF, GLB, OBJ, PLY, pbrt or native JSON; several OBJ or PLY files are motion keys of one mesh")
       ->required();
   app.add_option("--animation", out.load.animation, "Animation to play (default: the first)")->type_name("NAME|INDEX");
   app.add_option("--gltf-scene", out.load.gltf_scene, "Scene of a glTF file (default: the file's own default)")

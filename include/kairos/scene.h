@@ -31,6 +31,7 @@ struct Material {
   std::string base_color_texture;  ///< its alpha multiplies `alpha`
   std::string emission_texture;
   std::string metallic_roughness_texture;  ///< roughness in green, metallic in blue, not sRGB
+  std::string alpha_texture;               ///< its red multiplies `alpha`, in place of the base colour's
 };
 
 struct PointLight {
@@ -62,8 +63,9 @@ struct LoadOptions {
 /// since what one traces is a Shot of it.
 struct Scene;
 
-/// Reads OBJ, PLY, glTF 2.0, GLB and native JSON. Several OBJ or PLY files are motion keys of one mesh, spread evenly
-/// over the time 0 to 1; several files of other kinds are put together. Throws Error(bad_input) or Error(io).
+/// Reads OBJ, PLY, glTF 2.0, GLB, pbrt (v3 and v4) and native JSON. Several OBJ or PLY files are motion keys of one
+/// mesh, spread evenly over the time 0 to 1; several files of other kinds are put together. Throws Error(bad_input) or
+/// Error(io).
 std::shared_ptr<const Scene> load_scene(const std::vector<std::string>& paths, const LoadOptions& options = {});
 
 /// Where film points go: camera space looks along -z, y up.
@@ -95,6 +97,7 @@ class Texture;
 /// The pictures of one material; null where it has none, or none that can be read. Shared, immutable.
 struct MaterialTextures {
   std::shared_ptr<const Texture> base_color, emission, metallic_roughness;
+  std::shared_ptr<const Texture> alpha{};
 };
 
 /// One opening of the shutter: every motion as linear motion between keys, in one space. What accelerators are built

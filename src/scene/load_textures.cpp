@@ -49,6 +49,7 @@ std::vector<MaterialTextures> load_textures(const Scene& scene, bool strict, std
     ask(material.base_color_texture, Texture::Encoding::srgb);
     ask(material.emission_texture, Texture::Encoding::srgb);
     ask(material.metallic_roughness_texture, Texture::Encoding::linear);
+    ask(material.alpha_texture, Texture::Encoding::linear);
   }
   if (slots.empty()) return {};
 
@@ -70,7 +71,8 @@ std::vector<MaterialTextures> load_textures(const Scene& scene, bool strict, std
   for (const Material& material : scene.materials)
     result.push_back({find(material.base_color_texture, Texture::Encoding::srgb),
                       find(material.emission_texture, Texture::Encoding::srgb),
-                      find(material.metallic_roughness_texture, Texture::Encoding::linear)});
+                      find(material.metallic_roughness_texture, Texture::Encoding::linear),
+                      find(material.alpha_texture, Texture::Encoding::linear)});
   return result;
 }
 

@@ -17,6 +17,7 @@
 #include "scene_io/keyframes.h"
 #include "scene_io/native.h"
 #include "scene_io/obj.h"
+#include "scene_io/pbrt.h"
 #include "scene_io/ply.h"
 
 namespace kairos {
@@ -33,7 +34,9 @@ FileFormat format_of(const std::string& path) {
   if (extension == ".ply") return FileFormat::ply;
   if (extension == ".gltf" || extension == ".glb") return FileFormat::gltf;
   if (extension == ".json") return FileFormat::native;
-  throw Error(ErrorCode::bad_input, path, "has no extension that is known; give .obj, .ply, .gltf, .glb or .json");
+  if (extension == ".pbrt") return FileFormat::pbrt;
+  throw Error(ErrorCode::bad_input, path,
+              "has no extension that is known; give .obj, .ply, .gltf, .glb, .pbrt or .json");
 }
 
 bool is_mesh_file(const std::string& path) {
@@ -131,6 +134,8 @@ Scene load_file(const std::string& path, LoadContext& context) {
       return load_mesh_scene({path}, context);
     case FileFormat::native:
       return load_native(path, context);
+    case FileFormat::pbrt:
+      return load_pbrt(path, context);
     case FileFormat::gltf:
       break;
   }

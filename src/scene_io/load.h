@@ -20,7 +20,7 @@ struct LoadContext {
 };
 
 /// The format by the name's extension, in any case. Throws Error(bad_input) for an unknown one.
-enum class FileFormat { obj, ply, gltf, native };
+enum class FileFormat { obj, ply, gltf, native, pbrt };
 FileFormat format_of(const std::string& path);
 /// OBJ and PLY hold a mesh, other formats scenes.
 bool is_mesh_file(const std::string& path);

@@ -27,7 +27,8 @@ Looks::Looks(const Shot& shot) : shot_(shot) {
     const Material& material = mesh.material < shot.materials.size() ? shot.materials[mesh.material] : fallback_;
     const MaterialTextures* textures =
         mesh.material < shot.textures.size() && !mesh.uvs.empty() ? &shot.textures[mesh.material] : nullptr;
-    const bool is_textured = textures && (textures->base_color || textures->emission || textures->metallic_roughness);
+    const bool is_textured =
+        textures && (textures->base_color || textures->emission || textures->metallic_roughness || textures->alpha);
     entries_.push_back({&material, is_textured ? textures : nullptr, is_textured});
   }
 }
@@ -49,8 +50,9 @@ Look Looks::at(uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& ver
   if (entry.textures->base_color) {
     const Texel texel = look_up(*entry.textures->base_color, uv, uv_width);
     look.base_colour = look.base_colour * texel.colour;
-    look.alpha *= texel.alpha;
+    if (!entry.textures->alpha) look.alpha *= texel.alpha;
   }
+  if (entry.textures->alpha) look.alpha *= look_up(*entry.textures->alpha, uv, uv_width).colour.x;
   if (entry.textures->emission && look.emission != Vec3f{})
     look.emission = look.emission * look_up(*entry.textures->emission, uv, uv_width).colour;
   if (entry.textures->metallic_roughness) {

@@ -1,0 +1,27 @@
+// Lights of pbrt scene files as ours.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <kairos/scene.h>
+
+#include "scene_io/pbrt_spectrum.h"
+#include "scene_io/pbrt_transform.h"
+
+namespace kairos::pbrt {
+
+struct LightSource {
+  Light light;
+  bool seen = false;  ///< directly, as the background
+};
+
+/// Reads a LightSource statement. Nothing, with a warning, for a kind that is not known; a warning where a light's
+/// shape or picture is lost.
+std::optional<LightSource> read_light(const std::string& kind, const Parameters& parameters,
+                                      const TransformPair& world_from_light, SpectrumContext& context);
+
+/// The radiance of an AreaLightSource statement.
+Vec3f read_area_light(const std::string& kind, const Parameters& parameters, SpectrumContext& context);
+
+}  // namespace kairos::pbrt

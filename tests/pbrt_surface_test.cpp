@@ -1,0 +1,251 @@
+// Materials, textures, spectra and lights.
+#include <cmath>
+
+#include <kairos/image.h>
+
+#include "pbrt_fixture.h"
+#include "scene_io/pbrt_spectrum.h"
+#include "shading/looks.h"
+
+namespace kairos {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class PbrtSurface : public PbrtTest {
+ protected:
+  PbrtSurface() {
+    folder_.write("a.png", "");
+    folder_.write("leaf.png", "");
+  }
+  const Material& material_of(const std::string& statements) {
+    scene_ = load_world(statements + "\n" + kTextured);
+    return scene_.materials.at(scene_.meshes.at(0).material);
+  }
+  static void expect_color(Vec3f a, Vec3d b) { expect_near(to_double(a), b, 1e-6); }
+
+  static constexpr const char* kTextured =
+      "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] \"float uv\" [0 0 1 0 0 1]";
+  Scene scene_;
+};
+
+TEST_F(PbrtSurface, MaterialsOfBothVersions) {
+  EXPECT_EQ(material_of("").base_color, (Vec3f{0.5, 0.5, 0.5}));
+  for (const std::string matte : {"\"matte\" \"rgb Kd\" [.25 .5 1]", "\"diffuse\" \"rgb reflectance\" [.25 .5 1]"}) {
+    const Material& m = material_of("Material " + matte);
+    EXPECT_EQ(m.base_color, (Vec3f{0.25, 0.5, 1}));
+    EXPECT_EQ(m.metallic, 0);
+    EXPECT_EQ(m.roughness, 1);
+  }
+  for (const std::string glass : {"\"glass\" \"float index\" 1.25", "\"dielectric\" \"float eta\" 1.25"}) {
+    const Material& m = material_of("Material " + glass);
+    EXPECT_EQ(m.transmission, 1);
+    EXPECT_EQ(m.ior, 1.25f);
+    EXPECT_EQ(m.roughness, 0);
+  }
+  EXPECT_FLOAT_EQ(material_of("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"").ior, 1.5168f);
+  EXPECT_EQ(material_of("Material \"glass\" \"rgb Kt\" [0 0 0]").transmission, 0);
+  const Material& mirror = material_of("Material \"mirror\"");
+  EXPECT_EQ(mirror.metallic, 1);
+  EXPECT_EQ(mirror.roughness, 0);
+  EXPECT_FLOAT_EQ(mirror.base_color.x, 0.9f);
+  EXPECT_THAT(scene_.warnings, IsEmpty());
+}
+
+TEST_F(PbrtSurface, MetalsHaveTheirReflectance) {
+  for (const std::string kind : {"metal", "conductor"}) {
+    const Material& m = material_of("Material \"" + kind +
+                                    "\" \"rgb eta\" [1 2 .5] \"rgb k\" [1 3 0] "
+                                    "\"float roughness\" .04 \"bool remaproughness\" \"false\"");
+    expect_color(m.base_color, {1.0 / 5, 10.0 / 18, 1.0 / 9});
+    EXPECT_EQ(m.metallic, 1);
+    EXPECT_FLOAT_EQ(m.roughness, 0.2f);  // its square is alpha
+  }
+  expect_color(
+      material_of("Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\"").base_color,
+      {1, 0.782, 0.344});
+  EXPECT_THAT(scene_.warnings, ElementsAre(HasSubstr("spectra are taken as three colours")));
+  expect_color(material_of("Material \"conductor\" \"rgb reflectance\" [.1 .2 .3]").base_color, {0.1, 0.2, 0.3});
+  EXPECT_NEAR(material_of("Material \"conductor\" \"float roughness\" .0625").roughness, 0.5, 1e-6) << "v4's remapping";
+  EXPECT_NEAR(material_of("Material \"metal\" \"float roughness\" 1").roughness, 1, 1e-6) << "v3's, which leaves 1";
+}
+
+TEST_F(PbrtSurface, UberIsSeenThrough) {
+  const Material& m = material_of("Material \"uber\" \"rgb opacity\" [.25 .25 .25]");
+  EXPECT_EQ(m.alpha_mode, Material::AlphaMode::blend);
+  EXPECT_FLOAT_EQ(m.alpha, 0.25f);
+}
+
+TEST_F(PbrtSurface, NamedMaterialsAndMixes) {
+  const std::string named =
+      "MakeNamedMaterial \"a\" \"string type\" \"matte\" \"rgb Kd\" [0 0 0]\n"
+      "MakeNamedMaterial \"b\" \"string type\" \"matte\" \"rgb Kd\" [1 1 1]\n";
+  EXPECT_EQ(material_of(named + "NamedMaterial \"b\"").name, "b");
+  // v3 gives the share of the first, v4 that of the second.
+  expect_color(material_of(named + "Material \"mix\" \"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\" "
+                                   "\"rgb amount\" [.75 .75 .75]")
+                   .base_color,
+               {0.25, 0.25, 0.25});
+  expect_color(
+      material_of(named + "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .75").base_color,
+      {0.75, 0.75, 0.75});
+  material_of("NamedMaterial \"c\"");
+  EXPECT_THAT(scene_.warnings, ElementsAre(HasSubstr("scene.pbrt:4: no material 'c' was defined before")));
+  // One of ours for each that is used, however often.
+  const Scene scene = load_world(named + "NamedMaterial \"a\"\n" + kTextured + "\nNamedMaterial \"b\"\n" + kTextured +
+                                 "\nNamedMaterial \"a\"\n" + kTextured);
+  EXPECT_THAT(scene.materials, SizeIs(2));
+  EXPECT_EQ(scene.meshes[0].material, scene.meshes[2].material);
+}
+
+TEST_F(PbrtSurface, TexturesAreEvaluatedAsFarAsPossible) {
+  const std::string image = "Texture \"i\" \"spectrum\" \"imagemap\" \"string filename\" \"a.png\"\n";
+  const auto kd = [&](const std::string& textures, const std::string& name) {
+    return material_of(textures + "\nMaterial \"matte\" \"texture Kd\" \"" + name + "\"");
+  };
+  EXPECT_EQ(kd(image, "i").base_color_texture, folder_.path("a.png"));
+  EXPECT_EQ(kd(image, "i").base_color, (Vec3f{1, 1, 1}));
+  const std::string v3 = image + "Texture \"s\" \"color\" \"scale\" \"texture tex1\" \"i\" \"rgb tex2\" [.25 .5 1]";
+  EXPECT_EQ(kd(v3, "s").base_color_texture, folder_.path("a.png"));
+  EXPECT_EQ(kd(v3, "s").base_color, (Vec3f{0.25, 0.5, 1}));
+  const std::string v4 = image + "Texture \"s\" \"spectrum\" \"scale\" \"texture tex\" \"i\" \"float scale\" .5";
+  EXPECT_EQ(kd(v4, "s").base_color, (Vec3f{0.5, 0.5, 0.5}));
+  const std::string constants =
+      "Texture \"k\" \"spectrum\" \"constant\" \"rgb value\" [0 .5 1]\nTexture \"w\" \"float\" "
+      "\"constant\" \"float value\" .25\n";
+  EXPECT_EQ(
+      kd(constants +
+             "Texture \"m\" \"spectrum\" \"mix\" \"texture tex1\" \"k\" \"rgb tex2\" [1 1 1] \"texture amount\" \"w\"",
+         "m")
+          .base_color,
+      (Vec3f{0.25, 0.625, 1}));
+  EXPECT_THAT(scene_.warnings, IsEmpty());
+  EXPECT_EQ(
+      kd(image + "Texture \"m\" \"spectrum\" \"mix\" \"texture tex1\" \"i\" \"rgb tex2\" [1 0 0] \"float amount\" .25",
+         "m")
+          .base_color_texture,
+      folder_.path("a.png"));
+  EXPECT_THAT(scene_.warnings, ElementsAre(HasSubstr("only the stronger part")));
+  expect_color(
+      kd("Texture \"c\" \"spectrum\" \"checkerboard\" \"rgb tex1\" [1 0 0] \"rgb tex2\" [0 0 1]", "c").base_color,
+      {0.5, 0, 0.5});
+  kd("", "missing");
+  EXPECT_THAT(scene_.warnings, ElementsAre(HasSubstr("no texture 'missing'")));
+}
+
+TEST_F(PbrtSurface, TextureCoordinatesAreMapped) {
+  material_of(
+      "Texture \"i\" \"spectrum\" \"imagemap\" \"string filename\" \"a.png\" \"float uscale\" 2 \"float vscale\" 4 "
+      "\"float udelta\" .5 \"float vdelta\" -1\nMaterial \"matte\" \"texture Kd\" \"i\"");
+  EXPECT_THAT(scene_.meshes[0].uvs, ElementsAre(Vec2f{0.5, 2}, Vec2f{2.5, 2}, Vec2f{0.5, -2}));
+}
+
+TEST_F(PbrtSurface, MissingImagesAreReportedOnce) {
+  const std::string text =
+      "Texture \"i\" \"spectrum\" \"imagemap\" \"string filename\" \"wood.tga\"\n"
+      "Texture \"j\" \"spectrum\" \"imagemap\" \"string filename\" \"wood.tga\"\n"
+      "Material \"matte\" \"texture Kd\" \"i\"";
+  EXPECT_EQ(material_of(text).base_color, (Vec3f{0.5, 0.5, 0.5}));
+  EXPECT_EQ(material_of(text).base_color_texture, "");
+  EXPECT_THAT(scene_.warnings, ElementsAre(HasSubstr("scene.pbrt:4: the file 'wood.tga' is not there")));
+  expect_error([&] { load_world(text, true); }, {"scene.pbrt:4", "wood.tga"});
+  expect_error([&] { load_world("Texture \"i\" \"spectrum\" \"imagemap\" \"string filename\" \"/etc/passwd\""); },
+               {"scene.pbrt:4"});
+}
+
+TEST_F(PbrtSurface, AlphaImagesMakeMasks) {
+  const Scene scene =
+      load_world("Texture \"l\" \"float\" \"imagemap\" \"string filename\" \"leaf.png\"\nMaterial \"matte\"\n" +
+                 std::string(kTextured) + " \"texture alpha\" \"l\"\n" + kTextured + "\n" + kTextured +
+                 " \"float alpha\" .25\n" + kTextured + " \"float alpha\" 0\n");
+  ASSERT_THAT(scene.meshes, SizeIs(3));
+  const auto& mask = scene.materials[scene.meshes[0].material];
+  EXPECT_EQ(mask.alpha_mode, Material::AlphaMode::mask);
+  EXPECT_EQ(mask.alpha_texture, folder_.path("leaf.png"));
+  EXPECT_EQ(scene.materials[scene.meshes[1].material].alpha_mode, Material::AlphaMode::opaque);
+  EXPECT_EQ(scene.materials[scene.meshes[2].material].alpha_mode, Material::AlphaMode::blend);
+  EXPECT_EQ(scene.materials[scene.meshes[2].material].alpha, 0.25f);
+  EXPECT_THAT(scene.warnings, ElementsAre(HasSubstr("cannot be seen")));
+}
+
+TEST_F(PbrtSurface, AlphaImagesAreLookedUp) {
+  Image image{1, 1, 0, 0, 1, 1, {}, {}};
+  for (const char* channel : {"R", "G", "B"}) image.channels.push_back({channel, Channel::Storage::colour, {0}});
+  write_image(image, folder_.path("leaf.png"));
+  const std::string leaf = "Texture \"l\" \"float\" \"imagemap\" \"string filename\" \"leaf.png\"\n";
+  const Shot shot = make_shot(load_world(leaf + kTextured + " \"texture alpha\" \"l\"\n" + kTextured));
+  const Looks looks(shot);
+  const std::array<Vec3d, 3> corners{Vec3d{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  EXPECT_EQ(looks.at(0, 0, corners, {0.25f, 0.25f, 0.5f}, 0.01).alpha, 0);
+  EXPECT_EQ(looks.at(0, 0, corners, {0.25f, 0.25f, 0.5f}, 0.01).base_colour, (Vec3f{0.5, 0.5, 0.5}));
+  EXPECT_EQ(looks.at(1, 0, corners, {0.25f, 0.25f, 0.5f}, 0.01).alpha, 1);
+}
+
+TEST_F(PbrtSurface, AreaLightsEmit) {
+  const Scene scene = load_world("AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [1 2 3] \"float scale\" 2\n" +
+                                 std::string(kTextured) + "\nAttributeEnd\n" + kTextured);
+  EXPECT_EQ(scene.materials[scene.meshes[0].material].emission, (Vec3f{2, 4, 6}));
+  EXPECT_EQ(scene.materials[scene.meshes[1].material].emission, (Vec3f{}));
+}
+
+TEST_F(PbrtSurface, InterfacesAreInvisible) {
+  EXPECT_THAT(load_world("Material \"interface\"\n" + std::string(kTextured)).meshes, IsEmpty());
+  EXPECT_THAT(load_world("Material \"\" AreaLightSource \"diffuse\"\n" + std::string(kTextured)).meshes, SizeIs(1));
+}
+
+TEST_F(PbrtSurface, AttributeGivesDefaults) {
+  const Scene scene = load_world(
+      "AttributeBegin Attribute \"shape\" \"float radius\" 3 Attribute \"material\" \"rgb reflectance\" [1 0 0]\n"
+      "Material \"diffuse\" Shape \"sphere\" Shape \"sphere\" \"float radius\" 2 AttributeEnd Shape \"sphere\"");
+  EXPECT_THAT(scene.warnings, IsEmpty());
+  EXPECT_NEAR(length(positions(scene.meshes[0])[0]), 3, 1e-6);
+  EXPECT_NEAR(length(positions(scene.meshes[1])[0]), 2, 1e-6);
+  EXPECT_NEAR(length(positions(scene.meshes[2])[0]), 1, 1e-6);
+  EXPECT_EQ(scene.materials[scene.meshes[0].material].base_color, (Vec3f{1, 0, 0}));
+}
+
+TEST_F(PbrtSurface, Lights) {
+  const Scene scene = load_world(
+      "Translate 1 2 3\nLightSource \"point\" \"rgb I\" [1 2 3] \"point from\" [1 0 0] \"rgb scale\" [2 2 2]\n"
+      "LightSource \"distant\" \"point from\" [0 4 0] \"point to\" [0 0 0] \"rgb L\" [5 5 5] \"float scale\" 2\n"
+      "LightSource \"infinite\" \"rgb L\" [.5 .25 1]\nLightSource \"spot\" \"rgb I\" [1 1 1] \"point3 from\" [0 0 0]\n"
+      "LightSource \"infinite\" \"string filename\" \"sky.exr\" \"float scale\" 3\nLightSource \"strange\"");
+  ASSERT_THAT(scene.lights, SizeIs(5));
+  EXPECT_EQ(std::get<PointLight>(scene.lights[0]).position, (Vec3f{2, 2, 3}));
+  EXPECT_EQ(std::get<PointLight>(scene.lights[0]).intensity, (Vec3f{2, 4, 6}));
+  EXPECT_EQ(std::get<DirectionalLight>(scene.lights[1]).direction, (Vec3f{0, -1, 0}));
+  EXPECT_EQ(std::get<DirectionalLight>(scene.lights[1]).irradiance, (Vec3f{10, 10, 10}));
+  EXPECT_EQ(std::get<ConstantLight>(scene.lights[2]).radiance, (Vec3f{0.5, 0.25, 1}));
+  EXPECT_EQ(scene.background, (Vec3f{0.5, 0.25, 1}));
+  EXPECT_EQ(std::get<PointLight>(scene.lights[3]).position, (Vec3f{1, 2, 3}));
+  EXPECT_EQ(std::get<ConstantLight>(scene.lights[4]).radiance, (Vec3f{3, 3, 3}));
+  EXPECT_THAT(scene.warnings,
+              ElementsAre(HasSubstr("'spot' shine in all directions"), HasSubstr("picture of an infinite light"),
+                          HasSubstr("'strange' are left out")));
+}
+
+TEST_F(PbrtSurface, BlackBodiesHaveTheColourOfTheirTemperature) {
+  const Vec3d warm = pbrt::blackbody_color(2700), sun = pbrt::blackbody_color(6504), sky = pbrt::blackbody_color(12000);
+  EXPECT_EQ(warm.x, 1);
+  EXPECT_GT(warm.y, 2 * warm.z);
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(sun[axis], 1, 0.06) << "nearly the white of D65";
+  EXPECT_EQ(sky.z, 1);
+  EXPECT_LT(sky.x, sky.y);
+  EXPECT_EQ(pbrt::blackbody_color(-1), (Vec3d{}));
+  for (const double kelvin : {1e-300, 1.0, 1e300}) EXPECT_TRUE(is_finite(pbrt::blackbody_color(kelvin)));
+  const Scene scene = load_world("LightSource \"point\" \"blackbody I\" [2700 4]");
+  expect_color(std::get<PointLight>(scene.lights[0]).intensity, warm * 4.0);
+}
+
+TEST_F(PbrtSurface, SampledSpectraBecomeThreeBands) {
+  expect_near(pbrt::band_color({400, 0.5, 700, 0.5}), {0.5, 0.5, 0.5});
+  expect_near(pbrt::band_color({400, 0, 700, 3}), {2.3, 1.35, 0.55});  // the bands' middles: 630, 535 and 455 nm
+  folder_.write("s.spd", "# samples\n400 0\n700 3\n");
+  expect_color(material_of("Material \"matte\" \"spectrum Kd\" \"s.spd\"").base_color, {1, 1, 0.55});
+}
+
+}  // namespace
+}  // namespace kairos
