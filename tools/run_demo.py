@@ -49,7 +49,8 @@ class Demo:
 
     def match_time(self, seconds):
         """Renders with as many discrete samples as the given rendering time allows. Returns (spp, statistics)."""
-        spp, best = 32, None
+        earlier, best = self.out / "demo_qmc.json", None
+        spp = json.loads(earlier.read_text())["samples"] if earlier.exists() else 32
         for _ in range(ATTEMPTS):
             stats = self.render_qmc(spp)
             ratio = seconds / stats["render_seconds"]
@@ -85,7 +86,7 @@ def main():
     parser.add_argument("kairos")
     parser.add_argument("out")
     parser.add_argument("--size", default="960x540")
-    parser.add_argument("--tc-rays", type=int, default=16)
+    parser.add_argument("--tc-rays", type=int, default=8)
     parser.add_argument("--reference-spp", type=int, default=1024)
     arguments = parser.parse_args()
     demo = Demo(arguments)

@@ -10,15 +10,16 @@ from .shapes import disc, face, plain, torus, tube
 from .square import SHADOW, floor_color
 
 DURATION = 2.0  # seconds
+FRAME_TIMES = [i / 24 for i in range(49)]  # where things that turn or sway have their keys, as exporters place them
 CREAM, VERMILION, TEAL, GOLD, INK = (0.90, 0.84, 0.70), (0.86, 0.16, 0.07), (0.06, 0.42, 0.42), (0.92, 0.60, 0.12), \
     (0.10, 0.09, 0.12)
 
 
 def spin(file, node, axis, degrees_per_second, start=0.0, base=(0.0, 0.0, 0.0, 1.0)):
-    """Keys 30 degrees apart, so that the shorter way between two of them is the way meant."""
-    count = math.ceil(abs(degrees_per_second) * DURATION / 30)
-    times = [DURATION * i / count for i in range(count + 1)]
-    file.animate(node, "rotation", times, [then(turn(axis, start + degrees_per_second * time), base) for time in times])
+    """Less than half a turn per frame: between two keys the shorter way is the way meant."""
+    assert abs(degrees_per_second) / 24 < 180
+    turns = [then(turn(axis, start + degrees_per_second * time), base) for time in FRAME_TIMES]
+    file.animate(node, "rotation", FRAME_TIMES, turns)
 
 
 def flatten(across, up):
@@ -160,12 +161,11 @@ def add_flag(file, name, corner, width, height, waves_per_second, tones, columns
             mesh.add(color, [a, c, d])
     node = file.node(name, translation=corner, mesh=file.mesh(mesh, weights=[1.0, 0.0]))
     w = math.tau * waves_per_second
-    count = math.ceil(waves_per_second * DURATION * 8)
-    times, values = [DURATION * i / count for i in range(count + 1)], []
-    for time in times:
+    values = []
+    for time in FRAME_TIMES:
         tangent = (-w * math.sin(w * time), w * math.cos(w * time))
         values += [(x,) for x in (*tangent, math.cos(w * time), math.sin(w * time), *tangent)]
-    file.animate(node, "weights", times, values, "CUBICSPLINE")
+    file.animate(node, "weights", FRAME_TIMES, values, "CUBICSPLINE")
 
 
 def make_bird(albedo):
@@ -209,9 +209,8 @@ def add_birds(file, count=44, seed=3):
         node = file.node(f"bird {i}", rotation=rotation, mesh=meshes[i % len(meshes)])
         file.animate(node, "translation", times, values, "CUBICSPLINE")
         beats, phase = random_source.randint(7, 11), random_source.random()
-        flaps = [DURATION * j / (beats * 8) for j in range(beats * 8 + 1)]
-        weights = [(0.35 + 0.65 * math.sin(math.tau * (beats * time / DURATION + phase)),) for time in flaps]
-        file.animate(node, "weights", flaps, weights)
+        weights = [(0.35 + 0.65 * math.sin(math.tau * (beats * time / DURATION + phase)),) for time in FRAME_TIMES]
+        file.animate(node, "weights", FRAME_TIMES, weights)
 
 
 def add_kite(file, joints=10, length=3.4):
@@ -223,17 +222,16 @@ def add_kite(file, joints=10, length=3.4):
         face(body, tone, points, two_sided_light=True)
     place, tilt = (-1.0, 5.15, -2.2), turn((0, 0, 1), 34)
     kite = file.node("kite", translation=place, rotation=tilt, mesh=file.mesh(body))
-    sway = [DURATION * i / 48 for i in range(49)]
-    file.animate(kite, "translation", sway, [add(place, (0.3 * math.sin(math.tau * 1.5 * time), 0.25 * math.sin(
-        math.tau * 2 * time + 1), 0.0)) for time in sway])
+    file.animate(kite, "translation", FRAME_TIMES, [add(place, (0.3 * math.sin(math.tau * 1.5 * time), 0.25 * math.sin(
+        math.tau * 2 * time + 1), 0.0)) for time in FRAME_TIMES])
 
     step = length / joints
     bones, parent = [], kite
     for i in range(joints + 1):
         parent = file.node(f"tail {i}", parent, translation=(0.0, -0.75 if i == 0 else -step, 0.0))
         bones.append(parent)
-        angles = [17 * math.sin(math.tau * 2.5 * time - 0.75 * i) + (6 if i < 4 else -2) for time in sway]
-        file.animate(parent, "rotation", sway, [turn((0, 0, 1), angle) for angle in angles])
+        angles = [17 * math.sin(math.tau * 2.5 * time - 0.75 * i) + (6 if i < 4 else -2) for time in FRAME_TIMES]
+        file.animate(parent, "rotation", FRAME_TIMES, [turn((0, 0, 1), angle) for angle in angles])
     inverse_bind = [(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0.75 + step * i, 0, 1) for i in range(joints + 1)]
     skin = file.skin(bones, inverse_bind)
 
