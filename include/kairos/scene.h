@@ -87,7 +87,7 @@ struct ShotOptions {
   std::optional<double> frame, fps;  ///< shutter times below are (frame + open) / fps when any of these is given
   std::optional<std::array<double, 2>> shutter;  ///< open, close, in frames
   int width = 0, height = 0;                     ///< 0: the scene's own, else 960x540
-  bool textures = true;                          ///< read the materials' pictures: flat and Whitted shading want them
+  bool textures = true;           ///< read all of the materials' pictures; otherwise only those that cut out surfaces
   double motion_tolerance = 0.1;  ///< pixels: how far linear motion between keys may leave a vertex's true path
   bool strict = false;            ///< a bad triangle or picture is an error, not a note
 };

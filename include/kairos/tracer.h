@@ -61,9 +61,23 @@ struct TraceCounters {
   TraceCounters& operator+=(const TraceCounters& other);
 };
 
+/// Says where surfaces are missing, as leaves are outside of what is painted on their triangles. Must be safe to use
+/// from many threads at once.
+class CutOuts {
+ public:
+  virtual ~CutOuts() = default;
+  /// False when nothing of the mesh is ever missing.
+  virtual bool has(uint32_t mesh) const = 0;
+  /// Is the point there in which the ray meets the triangle at `time`?
+  virtual bool solid(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const = 0;
+  /// Replaces `times` by when, during a hit, it is: begin, end, begin, end, ..., ascending.
+  virtual void solid_times(const Ray& ray, const Segment& hit, std::vector<float>& times) const = 0;
+};
+
 struct TracerOptions {
   Precision precision = Precision::exact;
-  std::optional<InstructionSet> instruction_set;  ///< unset: the best one
+  std::optional<InstructionSet> instruction_set;      ///< unset: the best one
+  std::shared_ptr<const CutOuts> cut_outs = nullptr;  ///< null: all surfaces are whole
 };
 
 /// Segments of many rays: those of ray i are segments[offsets[i]] to segments[offsets[i + 1]].

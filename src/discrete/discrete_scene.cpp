@@ -55,9 +55,11 @@ struct DiscreteScene::Impl {
   std::vector<Window> windows;    // what stays still comes first, if there is any
   std::vector<uint32_t> mesh_of;  // [Embree's geometry number]; one numbering for all scenes
   DiscreteStats stats;
+  std::shared_ptr<const CutOuts> cut_outs;
 
   Impl(std::span<const Mesh> meshes, const DiscreteOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
+    cut_outs = options.cut_outs;
     for (size_t m = 0; m < meshes.size(); ++m) {
       const Mesh& mesh = meshes[m];
       validate_mesh(mesh);
@@ -110,7 +112,22 @@ struct DiscreteScene::Impl {
   }
 
   /// Denormals must be zero already.
-  std::optional<DiscreteHit> intersect(const Ray& ray, float time, float max_dist) const {
+  /// Is the hit on something that is missing there?
+  bool is_missing(const Ray& ray, float time, const std::optional<DiscreteHit>& hit) const {
+    return cut_outs && hit && cut_outs->has(hit->mesh) && !cut_outs->solid(ray, hit->mesh, hit->triangle, time);
+  }
+
+  /// Goes on behind what is missing.
+  std::optional<DiscreteHit> intersect(const Ray& ray, float time, float max_dist,
+                                       DiscreteLayer layer = DiscreteLayer::all) const {
+    auto hit = intersect_whole(ray, time, 0, max_dist, layer);
+    while (is_missing(ray, time, hit))
+      hit = intersect_whole(ray, time, std::nextafter(hit->dist, max_dist), max_dist, layer);
+    return hit;
+  }
+
+  std::optional<DiscreteHit> intersect_whole(const Ray& ray, float time, float min_dist, float max_dist,
+                                             DiscreteLayer layer) const {
     if (!usable(ray, time) || !(max_dist > 0)) return std::nullopt;
     RTCRayHit query{};
     query.ray.org_x = ray.origin.x;
@@ -119,13 +136,14 @@ struct DiscreteScene::Impl {
     query.ray.dir_x = ray.direction.x;
     query.ray.dir_y = ray.direction.y;
     query.ray.dir_z = ray.direction.z;
+    query.ray.tnear = min_dist;
     query.ray.tfar = max_dist;
     query.ray.mask = ~0u;
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     for (const Window& window : windows) {  // each looks no farther than what the ones before have hit
-      if (!window.holds(time)) continue;
+      if (!window.holds(time) || (layer == DiscreteLayer::still && window.moves)) continue;
       query.ray.time = window.local(time);
       rtcIntersect1(window.scene.get(), &context, &query);
     }
@@ -172,6 +190,8 @@ struct DiscreteScene::Impl {
       const Vec3f normal{query.hit.Ng_x[i], query.hit.Ng_y[i], query.hit.Ng_z[i]};
       hits[i] = DiscreteHit{query.ray.tfar[i], mesh_of[geometry], query.hit.primID[i],
                             query.hit.u[i],    query.hit.v[i],    faces(normal, rays[i].direction)};
+      if (is_missing(rays[i], times[i], hits[i]))
+        hits[i] = intersect(rays[i], times[i], std::numeric_limits<float>::infinity(), layer);
     }
   }
 };

@@ -24,6 +24,7 @@ struct DiscreteHit {
 struct DiscreteOptions {
   /// Avoids that rays slip through between triangles. Rays aimed exactly at vertices may be lost all the same.
   bool robust = true;
+  std::shared_ptr<const CutOuts> cut_outs = nullptr;  ///< null: all surfaces are whole
 };
 
 /// Which meshes a ray is to see.

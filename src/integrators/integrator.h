@@ -45,7 +45,7 @@ class Integrator {
 /// Discrete rays on the shot: the shader's, if it has them.
 inline std::shared_ptr<const DiscreteScene> discrete_scene(const Shot& shot, const Shader& shader) {
   auto scene = shader.discrete();
-  return scene ? scene : std::make_shared<const DiscreteScene>(shot.meshes);
+  return scene ? scene : std::make_shared<const DiscreteScene>(shot.meshes, DiscreteOptions{true, shader.cut_outs()});
 }
 
 /// A slow pixel must not keep one waiting: poll the monitor once per this many rays.

@@ -42,7 +42,7 @@ class MixedIntegrator : public Integrator {
         shading_samples_(params.shading_samples),
         mask_(shot, context.filter.radius()),
         scene_(discrete_scene(shot, context.shader)),
-        tracer_(shot.meshes, {Precision::fast, params.instruction_set}) {}
+        tracer_(shot.meshes, {Precision::fast, params.instruction_set, context.shader.cut_outs()}) {}
 
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<MixedWorker>(*this); }
   const Tracer& tracer() const { return tracer_; }

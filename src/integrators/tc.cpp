@@ -11,7 +11,7 @@ class TcIntegrator : public Integrator {
   TcIntegrator(const Shot& shot, const RenderParams& params, const PixelContext& context)
       : context_(context),
         shading_samples_(params.shading_samples),
-        tracer_(shot.meshes, {Precision::fast, params.instruction_set}) {}
+        tracer_(shot.meshes, {Precision::fast, params.instruction_set, context.shader.cut_outs()}) {}
 
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<TcWorker>(*this); }
   const Tracer& tracer() const { return tracer_; }

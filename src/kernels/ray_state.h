@@ -40,10 +40,15 @@ struct RayState {
   std::vector<Segment> segments;  ///< the result
   ResolveScratch resolve;
   TraceCounters counters;
+  const CutOuts* cut_outs = nullptr;
+  Ray ray;                     ///< for cut_outs
+  std::vector<float> present;  ///< scratch: see CutOuts::solid_times
 
   bool culls() const { return visibility == Visibility::visible; }
 
-  void begin_ray(Visibility wanted, uint32_t tree_depth) {
+  void begin_ray(Visibility wanted, uint32_t tree_depth, const Ray& traced, const CutOuts* missing) {
+    ray = traced;
+    cut_outs = missing;
     visibility = wanted;
     hits.clear();
     bins.clear();
@@ -62,14 +67,33 @@ struct RayState {
     counters.segments += segments.size();
   }
 
-  /// Takes up a hit in shutter time, unless something is known to hide it.
+  /// Takes up what is there of a hit in shutter time, unless something is known to hide it.
   void add(const Segment& hit) {
-    if (!(hit.begin < hit.end)) return;
-    if (culls()) {
-      const float nearest = std::min(hit.dist_begin, hit.dist_end);
-      if (nearest > bins.visible_until(hit.begin, hit.end)) return;
-      bins.cover(hit.begin, hit.end, hit.dist_begin, hit.dist_end);
+    if (!(hit.begin < hit.end) || is_hidden(hit)) return;
+    if (cut_outs == nullptr || !cut_outs->has(hit.mesh)) return take_up(hit);
+    cut_outs->solid_times(ray, hit, present);
+    const float slope = (hit.dist_end - hit.dist_begin) / hit.duration();
+    for (size_t i = 0; i + 1 < present.size(); i += 2) {
+      Segment part = hit;
+      part.begin = present[i];
+      part.end = present[i + 1];
+      if (part.begin > hit.begin) part.dist_begin = hit.dist_begin + slope * (part.begin - hit.begin);
+      if (part.end < hit.end) part.dist_end = hit.dist_begin + slope * (part.end - hit.begin);
+      if (part.begin < part.end) take_up(part);
     }
+  }
+
+  /// Whether a hit that lasts for the whole shutter, on what stands still, is there at all.
+  bool is_there(const Segment& hit) const {
+    return cut_outs == nullptr || !cut_outs->has(hit.mesh) || cut_outs->solid(ray, hit.mesh, hit.triangle, hit.begin);
+  }
+
+ private:
+  bool is_hidden(const Segment& hit) const {
+    return culls() && std::min(hit.dist_begin, hit.dist_end) > bins.visible_until(hit.begin, hit.end);
+  }
+  void take_up(const Segment& hit) {
+    if (culls()) bins.cover(hit.begin, hit.end, hit.dist_begin, hit.dist_end);
     hits.push_back(hit);
   }
 };

@@ -74,6 +74,7 @@ class Collector {
         const float dist = static_cast<float>(block_hits.dist_begin[lane]);
         const Segment hit{
             0, 1, dist, dist, block.mesh[lane], block.triangle[lane], (block_hits.front >> lane & 1) != 0};
+        if (!state_.is_there(hit)) continue;
         if (!state_.culls()) {
           state_.add(hit);
         } else if (dist < nearest.dist_begin ||

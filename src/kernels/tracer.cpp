@@ -25,6 +25,7 @@ struct Tracer::Impl {
   uint32_t depth = 0;
   InstructionSet instruction_set = InstructionSet::scalar;
   CollectHits collect = nullptr;
+  std::shared_ptr<const CutOuts> cut_outs;
 };
 
 struct Tracer::Workspace::State : RayState {};
@@ -43,6 +44,7 @@ Tracer::Tracer(std::span<const Mesh> meshes, const TracerOptions& options) : imp
     throw Error(ErrorCode::bad_usage, "instruction set",
                 std::string(to_string(impl_->instruction_set)) + " is not available on this machine");
   impl_->collect = options.precision == Precision::fast ? kernels->collect_fast : kernels->collect_exact;
+  impl_->cut_outs = options.cut_outs;
   impl_->accel = build_accel(meshes);
   impl_->depth = impl_->accel.depth();
 }
@@ -52,7 +54,7 @@ Tracer& Tracer::operator=(Tracer&&) noexcept = default;
 
 std::span<const Segment> Tracer::trace(const Ray& ray, Visibility visibility, Workspace& workspace) const {
   RayState& state = *workspace.state_;
-  state.begin_ray(visibility, impl_->depth);
+  state.begin_ray(visibility, impl_->depth, ray, impl_->cut_outs.get());
   if (is_traceable(ray)) impl_->collect(impl_->accel, ray, state);
   state.end_ray();
   return state.segments;

@@ -40,16 +40,20 @@ Slot read(const Scene& scene, const Key& key) {
 
 }  // namespace
 
-std::vector<MaterialTextures> load_textures(const Scene& scene, bool strict, std::vector<std::string>& notes) {
+std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_only, bool strict,
+                                            std::vector<std::string>& notes) {
   std::map<Key, Slot> slots;
   const auto ask = [&](const std::string& name, Texture::Encoding encoding) {
     if (!name.empty()) slots.try_emplace({name, encoding});
   };
   for (const Material& material : scene.materials) {
-    ask(material.base_color_texture, Texture::Encoding::srgb);
+    if (!cut_outs_only || material.alpha_mode == Material::AlphaMode::mask) {
+      ask(material.base_color_texture, Texture::Encoding::srgb);
+      ask(material.alpha_texture, Texture::Encoding::linear);
+    }
+    if (cut_outs_only) continue;
     ask(material.emission_texture, Texture::Encoding::srgb);
     ask(material.metallic_roughness_texture, Texture::Encoding::linear);
-    ask(material.alpha_texture, Texture::Encoding::linear);
   }
   if (slots.empty()) return {};
 
@@ -66,7 +70,8 @@ std::vector<MaterialTextures> load_textures(const Scene& scene, bool strict, std
 
   std::vector<MaterialTextures> result;
   const auto find = [&](const std::string& name, Texture::Encoding encoding) {
-    return name.empty() ? nullptr : slots.at({name, encoding}).texture;
+    const auto slot = slots.find({name, encoding});
+    return slot == slots.end() ? nullptr : slot->second.texture;
   };
   for (const Material& material : scene.materials)
     result.push_back({find(material.base_color_texture, Texture::Encoding::srgb),

@@ -9,7 +9,9 @@
 namespace kairos {
 
 /// [material]; each picture is read once, however many materials use it. One that cannot be read is left out with a
-/// note; with `strict` it throws Error(io) or Error(bad_input). Empty when no material has any.
-std::vector<MaterialTextures> load_textures(const Scene& scene, bool strict, std::vector<std::string>& notes);
+/// note; with `strict` it throws Error(io) or Error(bad_input). cut_outs_only: none but the base colours of cut-outs.
+/// Empty when there is nothing to read.
+std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_only, bool strict,
+                                            std::vector<std::string>& notes);
 
 }  // namespace kairos

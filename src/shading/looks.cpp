@@ -1,5 +1,6 @@
 #include "shading/looks.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "image/texture.h"
@@ -55,12 +56,42 @@ Look Looks::at(uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& ver
   if (entry.textures->alpha) look.alpha *= look_up(*entry.textures->alpha, uv, uv_width).colour.x;
   if (entry.textures->emission && look.emission != Vec3f{})
     look.emission = look.emission * look_up(*entry.textures->emission, uv, uv_width).colour;
+  if (entry.textures->alpha) look.alpha *= look_up(*entry.textures->alpha, uv, uv_width).colour.x;
   if (entry.textures->metallic_roughness) {
     const Texel texel = look_up(*entry.textures->metallic_roughness, uv, uv_width);
     look.roughness *= texel.colour.y;
     look.metallic *= texel.colour.z;
   }
   return look;
+}
+
+bool Looks::has_alpha_texture(uint32_t mesh) const {
+  if (!is_textured(mesh)) return false;
+  const MaterialTextures& textures = *entries_[mesh].textures;
+  return textures.alpha || (textures.base_color && textures.base_color->has_alpha());
+}
+
+AlphaPoint Looks::alpha_at(uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& vertices,
+                           const std::array<float, 3>& weights, double width) const {
+  AlphaPoint point{entries_[mesh].material->alpha, {}};
+  if (!has_alpha_texture(mesh)) return point;
+  const Texture* own = entries_[mesh].textures->alpha.get();
+  const Texture& texture = own ? *own : *entries_[mesh].textures->base_color;
+  const Triangle& corners = shot_.meshes[mesh].triangles[triangle];
+  std::array<Vec2f, 3> uvs;
+  Vec2f uv{};
+  for (size_t i = 0; i < 3; ++i) {
+    uvs[i] = shot_.meshes[mesh].uvs[corners[i]];
+    uv = {uv.x + uvs[i].x * weights[i], uv.y + uvs[i].y * weights[i]};
+  }
+  const double texels = std::sqrt(static_cast<double>(texture.width()) * texture.height());
+  const auto footprint = static_cast<float>(width * uv_per_length(vertices, uvs) * texels);
+  const Texel texel = texture.at(uv, footprint);
+  point.alpha *= own ? texel.colour.x : texel.alpha;
+  const float scale = 1 / std::max(1.0f, footprint);
+  point.place = {uv.x * static_cast<float>(texture.width()) * scale,
+                 uv.y * static_cast<float>(texture.height()) * scale};
+  return point;
 }
 
 }  // namespace kairos

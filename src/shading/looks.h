@@ -13,6 +13,12 @@ struct Look {
   float alpha = 1, metallic = 0, roughness = 1;
 };
 
+/// Alpha, and where in the picture it comes from, in texels of the copy looked at.
+struct AlphaPoint {
+  float alpha = 1;
+  Vec2f place;
+};
+
 /// Reads the shot, which must outlive it. Safe to use from many threads at once.
 class Looks {
  public:
@@ -22,6 +28,7 @@ class Looks {
   /// False when the mesh looks the same all over.
   bool is_textured(uint32_t mesh) const { return entries_[mesh].is_textured; }
 
+  bool has_alpha_texture(uint32_t mesh) const;
   bool has_emission_texture(uint32_t mesh) const { return is_textured(mesh) && entries_[mesh].textures->emission; }
 
   /// vertices: the triangle's at that instant; weights: barycentric, of the point. width: of the piece of surface that
@@ -30,6 +37,10 @@ class Looks {
   /// length is averaged over the pixel's samples.
   Look at(uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& vertices, const std::array<float, 3>& weights,
           double width) const;
+
+  /// The same for alpha alone.
+  AlphaPoint alpha_at(uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& vertices,
+                      const std::array<float, 3>& weights, double width) const;
 
  private:
   struct Entry {

@@ -12,8 +12,10 @@ Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_dep
       cone_(shot.projection),
       kind_(kind),
       want_normal_(want_normal || kind == ShadingKind::normal) {
+  cut_outs_ = std::make_shared<const AlphaCutOuts>(shot, *looks_);
+  if (!cut_outs_->any()) cut_outs_.reset();
   if (kind == ShadingKind::whitted)
-    whitted_ = std::make_unique<const Whitted>(shot, *looks_, cone_.spread(), max_depth);
+    whitted_ = std::make_unique<const Whitted>(shot, *looks_, cut_outs_, cone_.spread(), max_depth);
   for (uint32_t m = 0; m < shot.meshes.size(); ++m) {
     const Mesh& mesh = shot.meshes[m];
     const bool still = mesh.is_static() && mesh.normals.size() < 2 && !shot.camera_moves;

@@ -8,6 +8,7 @@
 
 #include <kairos/render.h>
 
+#include "shading/cut_outs.h"
 #include "shading/light_points.h"
 #include "shading/looks.h"
 #include "shading/pixel_cone.h"
@@ -33,6 +34,8 @@ class Shader {
   /// False when all instants at which a ray sees one of the mesh's triangles look the same.
   bool varies(uint32_t mesh) const { return varies_[mesh]; }
 
+  /// Where surfaces are missing: for everything that traces rays through the shot. Null for nowhere.
+  const std::shared_ptr<const AlphaCutOuts>& cut_outs() const { return cut_outs_; }
   /// Discrete rays on the shot, where shading needs them itself; for others to share.
   std::shared_ptr<const DiscreteScene> discrete() const { return whitted_ ? whitted_->scene() : nullptr; }
 
@@ -43,6 +46,7 @@ class Shader {
   const Shot& shot_;
   std::unique_ptr<const Looks> looks_;  // which whitted_ points to
   PixelCone cone_;
+  std::shared_ptr<const AlphaCutOuts> cut_outs_;
   std::unique_ptr<const Whitted> whitted_;  // where it is wanted
   std::vector<bool> varies_;                // [mesh]
   ShadingKind kind_;

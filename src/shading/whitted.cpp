@@ -69,11 +69,12 @@ struct Whitted::Point {
   }
 };
 
-Whitted::Whitted(const Shot& shot, const Looks& looks, double cone_spread, int max_depth)
+Whitted::Whitted(const Shot& shot, const Looks& looks, std::shared_ptr<const CutOuts> cut_outs, double cone_spread,
+                 int max_depth)
     : shot_(shot),
       looks_(looks),
       lights_(shot, looks),
-      scene_(std::make_shared<const DiscreteScene>(shot.meshes)),
+      scene_(std::make_shared<const DiscreteScene>(shot.meshes, DiscreteOptions{true, std::move(cut_outs)})),
       cone_spread_(cone_spread),
       max_depth_(max_depth) {}
 

@@ -15,7 +15,9 @@ namespace kairos {
 /// Reads the shot and the looks, which must outlive it. Safe to use from many threads at once.
 class Whitted {
  public:
-  Whitted(const Shot& shot, const Looks& looks, double cone_spread, int max_depth);
+  /// cut_outs: null for none.
+  Whitted(const Shot& shot, const Looks& looks, std::shared_ptr<const CutOuts> cut_outs, double cone_spread,
+          int max_depth);
 
   /// Light that leaves the triangle towards the ray's origin. Shadow, reflected and refracted rays are discrete, at
   /// `time`. width: of the ray's cone where it meets the triangle.

@@ -1,0 +1,62 @@
+#include "shading/cut_outs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shading/surface.h"
+
+namespace kairos {
+
+namespace {
+constexpr float kTimeTolerance = 1e-4f;  // shutter time
+constexpr int kMostProbes = 256;
+}  // namespace
+
+AlphaCutOuts::AlphaCutOuts(const Shot& shot, const Looks& looks) : shot_(shot), looks_(looks), cone_(shot.projection) {
+  for (uint32_t m = 0; m < shot.meshes.size(); ++m) {
+    const Material& material = looks.material(m);
+    has_.push_back(material.alpha_mode == Material::AlphaMode::mask &&
+                   (looks.has_alpha_texture(m) || material.alpha < material.alpha_cutoff));
+    any_ = any_ || has_.back();
+  }
+}
+
+AlphaPoint AlphaCutOuts::at(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
+  const std::array<Vec3d, 3> vertices = triangle_at(shot_.meshes[mesh], triangle, time);
+  const std::array<float, 3> weights = barycentrics(vertices, ray);
+  return looks_.alpha_at(mesh, triangle, vertices, weights, cone_.width_at(point_of(vertices, weights), ray));
+}
+
+bool AlphaCutOuts::solid(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
+  return at(ray, mesh, triangle, time).alpha >= looks_.material(mesh).alpha_cutoff;
+}
+
+void AlphaCutOuts::solid_times(const Ray& ray, const Segment& hit, std::vector<float>& times) const {
+  times.clear();
+  const float cutoff = looks_.material(hit.mesh).alpha_cutoff;
+  const AlphaPoint first = at(ray, hit.mesh, hit.triangle, hit.begin), last = at(ray, hit.mesh, hit.triangle, hit.end);
+  const float texels = std::hypot(last.place.x - first.place.x, last.place.y - first.place.y);
+  const int probes = 1 + static_cast<int>(std::min(2 * texels + 1, static_cast<float>(kMostProbes)));
+
+  bool was_solid = first.alpha >= cutoff;
+  float before = hit.begin;
+  if (was_solid) times.push_back(hit.begin);
+  for (int i = 1; i <= probes; ++i) {
+    const float time =
+        i == probes ? hit.end : hit.begin + hit.duration() * (static_cast<float>(i) / static_cast<float>(probes));
+    const bool is_solid = i == probes ? last.alpha >= cutoff : solid(ray, hit.mesh, hit.triangle, time);
+    if (is_solid != was_solid) {
+      float low = before, high = time;
+      while (high - low > kTimeTolerance) {
+        const float middle = 0.5f * (low + high);
+        (solid(ray, hit.mesh, hit.triangle, middle) == was_solid ? low : high) = middle;
+      }
+      times.push_back(0.5f * (low + high));
+    }
+    was_solid = is_solid;
+    before = time;
+  }
+  if (was_solid) times.push_back(hit.end);
+}
+
+}  // namespace kairos
