@@ -28,8 +28,8 @@ std::vector<uint8_t> red_png(const TempFolder& folder) {
 
 void use_image(GltfBuilder& gltf, nlohmann::json image) {
   gltf.triangle_node();
-  gltf.root["images"] = {std::move(image)};
-  gltf.root["textures"] = {{{"source", 0}}};
+  gltf.root["images"] = nlohmann::json::array({std::move(image)});
+  gltf.root["textures"] = nlohmann::json::array({{{"source", 0}}});
   gltf.root["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
                              {"emissiveTexture", {{"index", 0}}},
                              {"emissiveFactor", {1, 1, 1}}},
