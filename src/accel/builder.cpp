@@ -13,6 +13,9 @@ namespace {
 constexpr uint32_t kBins = 16;
 /// Axes 0 to 2 sort by place, 3 to 5 by velocity.
 constexpr int kStillAxes = 3, kMovingAxes = 6;
+/// Velocities that differ by less than this share of the range's extent are not worth a look: parting them saves no
+/// swept area.
+constexpr float kLeastVelocityShare = 0.25f;
 /// Ranges above this are binned, and their children built, in parallel.
 constexpr size_t kParallelCount = 8192;
 constexpr size_t kParallelGrain = 4096;
@@ -135,8 +138,11 @@ class Builder {
           }
         });
     Binning binning;
+    float largest = 0;
+    for (size_t a = 0; a < kStillAxes; ++a) largest = std::max(largest, extent.high[a] - extent.low[a]);
     for (size_t a = 0; a < static_cast<size_t>(axes_); ++a) {
       const float size = extent.high[a] - extent.low[a];
+      if (a >= kStillAxes && size < kLeastVelocityShare * largest) continue;
       // Just under kBins, so that the largest value falls into the last bin.
       const float scale = 0.999f * static_cast<float>(kBins) / size;
       binning.low[a] = extent.low[a];
@@ -152,6 +158,7 @@ class Builder {
           for (uint32_t i = begin; i < end; ++i) {
             const MovingBox& box = primitives_[i].box;
             for (int axis = 0; axis < axes_; ++axis) {
+              if (binning.scale[static_cast<size_t>(axis)] == 0) continue;
               Bin& bin = bins[0].bin[static_cast<size_t>(axis)][binning(box, axis)];
               bin.box.include(box);
               ++bin.count;
