@@ -54,6 +54,30 @@ TEST(Discrete, HitsWhileTheTriangleIsThere) {
     }
 }
 
+TEST(Discrete, MoreKeysAreTheSameMotion) {
+  // Even keys, uneven ones (two stretches), and a jump.
+  const std::vector<Mesh> meshes{make_slider({0, 0.5f, 1}, {-1, 1, 0.5f}, -5),
+                                 make_slider({0, 0.25f, 1}, {2, 3, 2.5f}, -6),
+                                 make_slider({0, 0.5f, 0.5f, 1}, {-3, -2, -4, -3}, -7)};
+  const DiscreteScene scene(meshes);
+  EXPECT_EQ(scene.stats().moving_keys, 3u + 2 + 2 + 2 + 2);
+  for (const auto& [keys, all] : {std::pair{2, 11u}, {4, 5u + 4 * 4}, {9, 9u + 4 * 9}, {129, 129u + 4 * 129}}) {
+    const DiscreteScene finer(meshes, {true, nullptr, keys});
+    EXPECT_EQ(finer.stats().moving_keys, all) << keys;
+    for (int i = 0; i <= 500; ++i)
+      for (int j = 0; j <= 60; ++j) {
+        const float time = static_cast<float>(i) / 500, x = -4.5f + 0.13717f * static_cast<float>(j);
+        const auto expected = scene.intersect(ray_at(x), time), got = finer.intersect(ray_at(x), time);
+        ASSERT_EQ(expected.has_value(), got.has_value()) << keys << " keys, " << x << " " << time;
+        if (!expected) continue;
+        EXPECT_EQ(expected->mesh, got->mesh);
+        EXPECT_NEAR(expected->u, got->u, 1e-5);
+        EXPECT_FLOAT_EQ(expected->dist, got->dist);
+      }
+  }
+  EXPECT_EQ(DiscreteScene(std::vector<Mesh>{make_slider({}, {0}, -5)}, {true, nullptr, 9}).stats().moving_keys, 0u);
+}
+
 TEST(Discrete, FacingAndNumbers) {
   std::vector<Mesh> meshes(3, make_slider({0, 1}, {0, 0.1f}, -5));
   meshes[0].triangles.clear();

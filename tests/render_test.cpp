@@ -209,6 +209,50 @@ TEST(Render, StatsCountWhatWasDone) {
   EXPECT_FALSE(stats.instruction_set);
 }
 
+TEST(Render, ARendererGivesThePicturesOfItsShotInAnyOrder) {
+  const Shot shot = shot_of({bar(3, 7, 2, 5), bar(9, 19, 8, 20, 12, 2)});
+  std::vector<RenderParams> all;
+  for (const IntegratorKind integrator : kAll)
+    for (const ShadingKind shading : {ShadingKind::flat, ShadingKind::whitted}) {
+      RenderParams params = flat(integrator, 4);
+      params.shading = shading;
+      params.seed = all.size();
+      params.discrete_keys = all.size() % 3 == 0 ? 5 : 0;
+      if (all.size() % 2 == 0) params.aovs = {Aov::normal};
+      all.push_back(params);
+    }
+  Renderer renderer(shot);
+  for (int round = 0; round < 2; ++round)
+    for (const RenderParams& params : all)
+      EXPECT_TRUE(same_pixels(renderer.render(params), render(shot, params)))
+          << "seed " << params.seed << ", round " << round;
+}
+
+TEST(Render, PartsAreBuiltOnceAndTheirTimeIsKnown) {
+  const Shot shot = shot_of({bar(3, 7, 2, 5), bar(9, 19, 8, 20, 12, 2)});
+  Renderer renderer(shot);
+  RenderStats tc, qmc, mixed, again;
+  renderer.render(flat(IntegratorKind::tc, 1), &tc);
+  EXPECT_GT(tc.parts.tracer, 0);
+  EXPECT_GT(tc.parts.shading, 0);
+  EXPECT_EQ(tc.parts.discrete, 0) << "discrete rays are not needed";
+  renderer.render(flat(IntegratorKind::qmc, 1), &qmc);
+  EXPECT_GT(qmc.parts.discrete, 0);
+  EXPECT_EQ(qmc.parts.tracer, 0);
+  renderer.render(flat(IntegratorKind::mixed, 1), &mixed);
+  EXPECT_GT(mixed.parts.motion_mask, 0);
+  EXPECT_EQ(mixed.parts.tracer, tc.parts.tracer) << "built for tc, and counted as it was then";
+  EXPECT_EQ(mixed.parts.discrete, qmc.parts.discrete);
+  EXPECT_GE(mixed.build_seconds, mixed.parts.sum());
+  RenderParams params = flat(IntegratorKind::mixed, 1);
+  params.discrete_keys = 3;
+  renderer.render(params, &again);
+  EXPECT_EQ(again.parts.tracer, tc.parts.tracer);
+  EXPECT_NE(again.parts.discrete, qmc.parts.discrete) << "other keys, another tree";
+  params.discrete_keys = 130;
+  EXPECT_THROW(renderer.render(params), Error);
+}
+
 TEST(Render, TheCallerCanStopIt) {
   const Shot shot = shot_of({bar(0, kWidth, 0, kHeight, 3)});
   RenderParams params = flat(IntegratorKind::tc, 100000);  // minutes, if it were not stopped

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -66,16 +67,31 @@ struct RenderParams {
   uint64_t seed = 0;
   int threads = 0;                                ///< 0: as many as the machine has; no effect on the picture
   std::optional<InstructionSet> instruction_set;  ///< tc: unset: the best one
+  /// Motion is given to Embree with at least this many keys, in even steps between those that the shot has: 0 (only
+  /// those) to 129. More of them make its boxes tighter and its trees larger; the motion stays the same.
+  int discrete_keys = 0;
+};
+
+/// Wall clock, of parts that many pictures of a shot can share.
+struct BuildSeconds {
+  double tracer = 0;       ///< trees for time-continuous rays
+  double discrete = 0;     ///< Embree's for discrete rays
+  double motion_mask = 0;  ///< where on screen anything moves
+  double shading = 0;      ///< tables of the shader
+
+  double sum() const { return tracer + discrete + motion_mask + shading; }
 };
 
 struct RenderStats {
-  double build_seconds = 0, render_seconds = 0;   ///< wall clock
-  uint64_t rays = 0;                              ///< from the camera
-  uint64_t segments = 0;                          ///< visibility segments (discrete rays: hits)
-  uint64_t shading_samples = 0;                   ///< shading evaluations
-  TraceCounters counters;                         ///< tc, mixed
-  size_t accel_memory_bytes = 0;                  ///< tc, mixed
-  int threads = 0;                                ///< used
+  double build_seconds = 0;       ///< wall clock: all parts that this picture uses, and what it alone needs
+  BuildSeconds parts;             ///< of the parts it uses; those made for an earlier picture count as much
+  double render_seconds = 0;      ///< wall clock
+  uint64_t rays = 0;              ///< from the camera
+  uint64_t segments = 0;          ///< visibility segments (discrete rays: hits)
+  uint64_t shading_samples = 0;   ///< shading evaluations
+  TraceCounters counters;         ///< tc, mixed
+  size_t accel_memory_bytes = 0;  ///< tc, mixed
+  int threads = 0;                ///< used
   std::optional<InstructionSet> instruction_set;  ///< of the tc kernels; unset: discrete rays
 };
 
@@ -83,8 +99,26 @@ struct RenderStats {
 /// stops rendering.
 using Progress = std::function<bool(double fraction)>;
 
-/// Renders a shot in camera space. The image's attributes say how it was made.
-/// Throws Error(bad_usage) for parameters out of range, Error(cancelled) when `progress` says so.
+/// Renders a shot again and again: what is expensive is made once, when a picture first needs it, and kept. A picture
+/// does not depend on those before it.
+class Renderer {
+ public:
+  /// The shot, in camera space, must outlive the renderer.
+  explicit Renderer(const Shot& shot);
+  explicit Renderer(Shot&& shot) = delete;
+  ~Renderer();
+  Renderer(Renderer&&) noexcept;
+  Renderer& operator=(Renderer&&) noexcept;
+
+  /// One picture at a time. The image's attributes say how it was made.
+  /// Throws Error(bad_usage) for parameters out of range, Error(cancelled) when `progress` says so.
+  Image render(const RenderParams& params = {}, RenderStats* stats = nullptr, const Progress& progress = {});
+
+ private:
+  std::unique_ptr<class ShotParts> parts_;
+};
+
+/// The same for a single picture.
 Image render(const Shot& shot, const RenderParams& params = {}, RenderStats* stats = nullptr,
              const Progress& progress = {});
 

@@ -36,6 +36,19 @@ void fill_buffer(RTCGeometry geometry, RTCBufferType type, unsigned slot, RTCFor
   std::memcpy(data, source.data(), source.size() * sizeof(Element));
 }
 
+/// Into how many pieces each key span of a run is to be cut for it to have `keys` keys.
+size_t parts_per_span(UniformRun run, int keys) {
+  const size_t spans = run.last - run.first, wanted = keys > 1 ? static_cast<size_t>(keys) - 1 : 1;
+  return std::max<size_t>(1, std::min((wanted + spans - 1) / spans, (kMaxTimeSteps - 1) / spans));
+}
+
+std::vector<Vec3f> between(const std::vector<Vec3f>& from, const std::vector<Vec3f>& to, float place) {
+  std::vector<Vec3f> points(from.size());
+  for (size_t i = 0; i < points.size(); ++i)
+    points[i] = to_float(lerp(to_double(from[i]), to_double(to[i]), static_cast<double>(place)));
+  return points;
+}
+
 /// Geometry that is there in one stretch of the shutter, which is Embree's time from 0 to 1. Embree knows time ranges
 /// of geometries too, but where they differ within one scene its version 3.13 loses triangles.
 struct Window {
@@ -66,7 +79,7 @@ struct DiscreteScene::Impl {
       stats.triangles += mesh.triangles.size();
       if (mesh.triangles.empty() || !mesh.is_static()) continue;
       if (windows.empty()) add_window(0, 1, false, options);
-      attach(windows.front(), mesh, {0, 0}, static_cast<uint32_t>(m));
+      attach(windows.front(), mesh, {0, 0}, 1, static_cast<uint32_t>(m));
       ++stats.static_geometries;
     }
     const size_t first_moving = windows.size();
@@ -78,7 +91,7 @@ struct DiscreteScene::Impl {
         size_t w = first_moving;
         while (w < windows.size() && !(windows[w].begin == run_begin && windows[w].end == run_end)) ++w;
         if (w == windows.size()) add_window(run_begin, run_end, true, options);
-        attach(windows[w], mesh, run, static_cast<uint32_t>(m));
+        attach(windows[w], mesh, run, parts_per_span(run, options.keys), static_cast<uint32_t>(m));
         ++stats.moving_geometries;
       }
     }
@@ -97,14 +110,21 @@ struct DiscreteScene::Impl {
     rtcSetSceneFlags(windows.back().scene.get(), options.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
   }
 
-  void attach(const Window& window, const Mesh& mesh, UniformRun run, uint32_t index) {
+  /// parts: pieces that each key span is cut into.
+  void attach(const Window& window, const Mesh& mesh, UniformRun run, size_t parts, uint32_t index) {
     const EmbreeGeometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
     device.check();
     fill_buffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles, device);
-    rtcSetGeometryTimeStepCount(geometry.get(), static_cast<unsigned>(run.last - run.first + 1));
-    for (size_t key = run.first; key <= run.last; ++key)
-      fill_buffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(key - run.first), RTC_FORMAT_FLOAT3,
-                  mesh.positions[key], device);
+    const size_t steps = (run.last - run.first) * parts + 1;
+    if (steps > 1) stats.moving_keys += steps;
+    rtcSetGeometryTimeStepCount(geometry.get(), static_cast<unsigned>(steps));
+    for (size_t step = 0; step < steps; ++step) {
+      const size_t key = run.first + step / parts;
+      const float place = static_cast<float>(step % parts) / static_cast<float>(parts);
+      fill_buffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(step), RTC_FORMAT_FLOAT3,
+                  place == 0 ? mesh.positions[key] : between(mesh.positions[key], mesh.positions[key + 1], place),
+                  device);
+    }
     rtcCommitGeometry(geometry.get());
     rtcAttachGeometryByID(window.scene.get(), geometry.get(), static_cast<unsigned>(mesh_of.size()));
     device.check();

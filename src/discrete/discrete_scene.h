@@ -25,6 +25,9 @@ struct DiscreteOptions {
   /// Avoids that rays slip through between triangles. Rays aimed exactly at vertices may be lost all the same.
   bool robust = true;
   std::shared_ptr<const CutOuts> cut_outs = nullptr;  ///< null: all surfaces are whole
+  /// Stretches of even motion get at least this many keys, as far as kMaxTimeSteps allow, by equal parts of each key
+  /// span: more and tighter boxes for the same motion. 0: no more than there are.
+  int keys = 0;
 };
 
 /// Which meshes a ray is to see.
@@ -36,6 +39,7 @@ enum class DiscreteLayer {
 struct DiscreteStats {
   double build_seconds = 0;
   size_t static_geometries = 0, moving_geometries = 0;  ///< Embree's: a mesh may be several
+  size_t moving_keys = 0;                               ///< given to Embree, over all of its moving geometries
   size_t trees = 0;      ///< one for what stays still, one per stretch of time in which moving geometry has even keys
   size_t triangles = 0;  ///< of all meshes, each counted once
 };

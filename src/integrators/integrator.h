@@ -3,11 +3,11 @@
 
 #include <memory>
 
-#include "discrete/discrete_scene.h"
 #include "film/pixel_filter.h"
 #include "film/shaded_segment.h"
 #include "integrators/camera_rays.h"
 #include "integrators/monitor.h"
+#include "integrators/shot_parts.h"
 #include "math/sampler.h"
 #include "shading/shader.h"
 
@@ -18,7 +18,7 @@ struct PixelContext {
   CameraRays camera;
   Sampler sampler;
   PixelFilter filter;
-  Shader shader;
+  const Shader& shader;
 
   /// The ray of a sample of pixel (x, y).
   Ray ray(int x, int y, const SamplePoint& point) const {
@@ -42,19 +42,15 @@ class Integrator {
   virtual std::unique_ptr<Worker> make_worker() const = 0;
 };
 
-/// Discrete rays on the shot: the shader's, if it has them.
-inline std::shared_ptr<const DiscreteScene> discrete_scene(const Shot& shot, const Shader& shader) {
-  auto scene = shader.discrete();
-  return scene ? scene : std::make_shared<const DiscreteScene>(shot.meshes, DiscreteOptions{true, shader.cut_outs()});
-}
-
 /// A slow pixel must not keep one waiting: poll the monitor once per this many rays.
 inline constexpr uint32_t kRaysPerPoll = 64;
 
-std::unique_ptr<Integrator> make_tc_integrator(const Shot& shot, const RenderParams& params,
+// What the integrator takes of `parts` and `context` must outlive it.
+std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderParams& params,
                                                const PixelContext& context, RenderStats& stats);
-std::unique_ptr<Integrator> make_mixed_integrator(const Shot& shot, const RenderParams& params,
+std::unique_ptr<Integrator> make_mixed_integrator(ShotParts& parts, const RenderParams& params,
                                                   const PixelContext& context, RenderStats& stats);
-std::unique_ptr<Integrator> make_qmc_integrator(const Shot& shot, const PixelContext& context);
+std::unique_ptr<Integrator> make_qmc_integrator(ShotParts& parts, const RenderParams& params,
+                                                const PixelContext& context);
 
 }  // namespace kairos

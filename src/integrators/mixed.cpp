@@ -34,15 +34,15 @@ struct Look {
 
 class MixedIntegrator : public Integrator {
  public:
-  MixedIntegrator(const Shot& shot, const RenderParams& params, const PixelContext& context)
-      : shot_(shot),
+  MixedIntegrator(ShotParts& parts, const RenderParams& params, const PixelContext& context)
+      : shot_(parts.shot()),
         context_(context),
         automatic_(params.integrator == IntegratorKind::automatic),
         fixed_plan_{static_cast<uint32_t>(params.tc_rays), context.sampler.count()},
         shading_samples_(params.shading_samples),
-        mask_(shot, context.filter.radius()),
-        scene_(discrete_scene(shot, context.shader)),
-        tracer_(shot.meshes, {Precision::fast, params.instruction_set, context.shader.cut_outs()}) {}
+        mask_(parts.motion_mask(context.filter.radius())),
+        scene_(parts.discrete(params.discrete_keys)),
+        tracer_(parts.tracer(params.instruction_set)) {}
 
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<MixedWorker>(*this); }
   const Tracer& tracer() const { return tracer_; }
@@ -144,8 +144,8 @@ class MixedIntegrator : public Integrator {
           batch_[i] = context_.ray(x, y, point);
           times_[i] = point.time;
         }
-        integrator_.scene_->intersect(std::span(batch_).first(size), std::span(times_).first(size),
-                                      std::span(hits_).first(size), layer);
+        integrator_.scene_.intersect(std::span(batch_).first(size), std::span(times_).first(size),
+                                     std::span(hits_).first(size), layer);
         discrete_rays_ += size;
         for (uint32_t i = 0; i < size; ++i) {
           discrete_hits_ += hits_[i].has_value();
@@ -239,16 +239,16 @@ class MixedIntegrator : public Integrator {
   bool automatic_;        // plan per pixel
   PixelPlan fixed_plan_;  // else
   int shading_samples_;
-  MotionMask mask_;
-  std::shared_ptr<const DiscreteScene> scene_;
-  Tracer tracer_;
+  const MotionMask& mask_;
+  const DiscreteScene& scene_;
+  const Tracer& tracer_;
 };
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_mixed_integrator(const Shot& shot, const RenderParams& params,
+std::unique_ptr<Integrator> make_mixed_integrator(ShotParts& parts, const RenderParams& params,
                                                   const PixelContext& context, RenderStats& stats) {
-  auto integrator = std::make_unique<MixedIntegrator>(shot, params, context);
+  auto integrator = std::make_unique<MixedIntegrator>(parts, params, context);
   stats.instruction_set = integrator->tracer().instruction_set();
   stats.accel_memory_bytes = integrator->tracer().memory_bytes();
   return integrator;

@@ -11,8 +11,7 @@ namespace {
 
 class QmcIntegrator : public Integrator {
  public:
-  QmcIntegrator(const Shot& shot, const PixelContext& context)
-      : context_(context), scene_(discrete_scene(shot, context.shader)) {}
+  QmcIntegrator(const DiscreteScene& scene, const PixelContext& context) : context_(context), scene_(scene) {}
 
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<QmcWorker>(*this); }
 
@@ -31,8 +30,8 @@ class QmcIntegrator : public Integrator {
           rays_[i] = context_.ray(x, y, point);
           times_[i] = point.time;
         }
-        integrator_.scene_->intersect(std::span(rays_).first(count), std::span(times_).first(count),
-                                      std::span(hits_).first(count));
+        integrator_.scene_.intersect(std::span(rays_).first(count), std::span(times_).first(count),
+                                     std::span(hits_).first(count));
         ray_count_ += count;
         for (uint32_t i = 0; i < count; ++i) add(rays_[i], times_[i], hits_[i], {pixel.seed, begin + i}, sink);
       }
@@ -64,13 +63,14 @@ class QmcIntegrator : public Integrator {
   };
 
   const PixelContext& context_;
-  std::shared_ptr<const DiscreteScene> scene_;
+  const DiscreteScene& scene_;
 };
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_qmc_integrator(const Shot& shot, const PixelContext& context) {
-  return std::make_unique<QmcIntegrator>(shot, context);
+std::unique_ptr<Integrator> make_qmc_integrator(ShotParts& parts, const RenderParams& params,
+                                                const PixelContext& context) {
+  return std::make_unique<QmcIntegrator>(parts.discrete(params.discrete_keys), context);
 }
 
 }  // namespace kairos

@@ -6,9 +6,11 @@
 #include <kairos/version.h>
 
 #include "base/parallel.h"
+#include "discrete/uniform_runs.h"
 #include "film/film.h"
 #include "integrators/integrator.h"
 #include "integrators/names.h"
+#include "integrators/shot_parts.h"
 
 namespace kairos {
 
@@ -36,6 +38,8 @@ void check(const Projection& p, const RenderParams& params, const Crop& crop) {
   if (params.max_depth < 0 || params.max_depth > kMostDepth)
     refuse("the depth of reflections must be 0 to " + std::to_string(kMostDepth));
   if (params.threads < 0) refuse("the number of threads must not be negative");
+  if (params.discrete_keys < 0 || params.discrete_keys > static_cast<int>(kMaxTimeSteps))
+    refuse("keys for discrete rays must be 0 to " + std::to_string(kMaxTimeSteps));
 }
 
 /// Sample points per pixel.
@@ -52,18 +56,18 @@ int sample_count(const RenderParams& params) {
   return 0;
 }
 
-std::unique_ptr<Integrator> make_integrator(const Shot& shot, const RenderParams& params, const PixelContext& context,
+std::unique_ptr<Integrator> make_integrator(ShotParts& parts, const RenderParams& params, const PixelContext& context,
                                             RenderStats& stats) {
   switch (params.integrator) {
     case IntegratorKind::tc:
-      return make_tc_integrator(shot, params, context, stats);
+      return make_tc_integrator(parts, params, context, stats);
     case IntegratorKind::qmc:
       break;
     case IntegratorKind::automatic:
     case IntegratorKind::mixed:
-      return make_mixed_integrator(shot, params, context, stats);
+      return make_mixed_integrator(parts, params, context, stats);
   }
-  return make_qmc_integrator(shot, context);
+  return make_qmc_integrator(parts, params, context);
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -118,7 +122,13 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
 
 }  // namespace
 
-Image render(const Shot& shot, const RenderParams& params, RenderStats* stats_out, const Progress& progress) {
+Renderer::Renderer(const Shot& shot) : parts_(std::make_unique<ShotParts>(shot)) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+Image Renderer::render(const RenderParams& params, RenderStats* stats_out, const Progress& progress) {
+  const Shot& shot = parts_->shot();
   const Crop crop = params.crop.value_or(Crop{0, shot.projection.width, 0, shot.projection.height});
   check(shot.projection, params, crop);
   const int samples = sample_count(params);
@@ -128,12 +138,15 @@ Image render(const Shot& shot, const RenderParams& params, RenderStats* stats_ou
   const ThreadLimit limit(params.threads);
   RenderStats stats;
   stats.threads = thread_count();
+  const Shader& shader = parts_->shader(params.shading, want_normal, params.max_depth, params.discrete_keys);
   auto start = std::chrono::steady_clock::now();
   const PixelContext context{CameraRays(shot.projection),
                              Sampler(params.sampler, static_cast<uint32_t>(std::max(samples, 0)), params.seed),
-                             PixelFilter(params.filter), Shader(shot, params.shading, want_normal, params.max_depth)};
-  const auto integrator = make_integrator(shot, params, context, stats);
-  stats.build_seconds = seconds_since(start);
+                             PixelFilter(params.filter), shader};
+  const double own_seconds = seconds_since(start);  // of this picture alone
+  const auto integrator = make_integrator(*parts_, params, context, stats);
+  stats.parts = parts_->take_build_seconds();
+  stats.build_seconds = stats.parts.sum() + own_seconds;
 
   start = std::chrono::steady_clock::now();
   Monitor monitor(progress, static_cast<uint64_t>(crop.x1 - crop.x0) * static_cast<uint64_t>(crop.y1 - crop.y0));
@@ -145,6 +158,10 @@ Image render(const Shot& shot, const RenderParams& params, RenderStats* stats_ou
   describe(image, shot, params, stats, context.sampler.count());
   if (stats_out != nullptr) *stats_out = stats;
   return image;
+}
+
+Image render(const Shot& shot, const RenderParams& params, RenderStats* stats, const Progress& progress) {
+  return Renderer(shot).render(params, stats, progress);
 }
 
 }  // namespace kairos

@@ -8,13 +8,10 @@ namespace {
 
 class TcIntegrator : public Integrator {
  public:
-  TcIntegrator(const Shot& shot, const RenderParams& params, const PixelContext& context)
-      : context_(context),
-        shading_samples_(params.shading_samples),
-        tracer_(shot.meshes, {Precision::fast, params.instruction_set, context.shader.cut_outs()}) {}
+  TcIntegrator(const Tracer& tracer, int shading_samples, const PixelContext& context)
+      : context_(context), shading_samples_(shading_samples), tracer_(tracer) {}
 
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<TcWorker>(*this); }
-  const Tracer& tracer() const { return tracer_; }
 
  private:
   class TcWorker : public Worker {
@@ -54,17 +51,17 @@ class TcIntegrator : public Integrator {
 
   const PixelContext& context_;
   int shading_samples_;
-  Tracer tracer_;
+  const Tracer& tracer_;
 };
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_tc_integrator(const Shot& shot, const RenderParams& params,
+std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderParams& params,
                                                const PixelContext& context, RenderStats& stats) {
-  auto integrator = std::make_unique<TcIntegrator>(shot, params, context);
-  stats.instruction_set = integrator->tracer().instruction_set();
-  stats.accel_memory_bytes = integrator->tracer().memory_bytes();
-  return integrator;
+  const Tracer& tracer = parts.tracer(params.instruction_set);
+  stats.instruction_set = tracer.instruction_set();
+  stats.accel_memory_bytes = tracer.memory_bytes();
+  return std::make_unique<TcIntegrator>(tracer, params.shading_samples, context);
 }
 
 }  // namespace kairos

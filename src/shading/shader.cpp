@@ -1,12 +1,14 @@
 #include "shading/shader.h"
 
 #include <cmath>
+#include <utility>
 
 #include "shading/surface.h"
 
 namespace kairos {
 
-Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_depth)
+Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_depth,
+               std::shared_ptr<const DiscreteScene> discrete)
     : shot_(shot),
       looks_(std::make_unique<const Looks>(shot)),
       cone_(shot.projection),
@@ -14,8 +16,10 @@ Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_dep
       want_normal_(want_normal || kind == ShadingKind::normal) {
   cut_outs_ = std::make_shared<const AlphaCutOuts>(shot, *looks_);
   if (!cut_outs_->any()) cut_outs_.reset();
-  if (kind == ShadingKind::whitted)
-    whitted_ = std::make_unique<const Whitted>(shot, *looks_, cut_outs_, cone_.spread(), max_depth);
+  if (kind == ShadingKind::whitted) {
+    if (!discrete) discrete = std::make_shared<const DiscreteScene>(shot.meshes, DiscreteOptions{true, cut_outs_});
+    whitted_ = std::make_unique<const Whitted>(shot, *looks_, std::move(discrete), cone_.spread(), max_depth);
+  }
   for (uint32_t m = 0; m < shot.meshes.size(); ++m) {
     const Mesh& mesh = shot.meshes[m];
     const bool still = mesh.is_static() && mesh.normals.size() < 2 && !shot.camera_moves;

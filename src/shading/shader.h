@@ -25,8 +25,10 @@ struct Shade {
 /// Reads the shot, which must outlive it. Safe to use from many threads at once.
 class Shader {
  public:
-  /// want_normal: fill Shade::normal even where the colour does not need it.
-  Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_depth = 8);
+  /// want_normal: fill Shade::normal even where the colour does not need it. discrete: discrete rays on the shot, for
+  /// Whitted shading; null: it makes them itself.
+  Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_depth = 8,
+         std::shared_ptr<const DiscreteScene> discrete = nullptr);
 
   /// time: shutter time at which the ray sees the triangle. key: only Whitted shading asks.
   Shade shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, SampleKey key = {}) const;
@@ -36,8 +38,6 @@ class Shader {
 
   /// Where surfaces are missing: for everything that traces rays through the shot. Null for nowhere.
   const std::shared_ptr<const AlphaCutOuts>& cut_outs() const { return cut_outs_; }
-  /// Discrete rays on the shot, where shading needs them itself; for others to share.
-  std::shared_ptr<const DiscreteScene> discrete() const { return whitted_ ? whitted_->scene() : nullptr; }
 
  private:
   Vec3f normal(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;

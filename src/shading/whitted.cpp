@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "shading/reflectance.h"
 #include "shading/surface.h"
@@ -69,12 +70,12 @@ struct Whitted::Point {
   }
 };
 
-Whitted::Whitted(const Shot& shot, const Looks& looks, std::shared_ptr<const CutOuts> cut_outs, double cone_spread,
+Whitted::Whitted(const Shot& shot, const Looks& looks, std::shared_ptr<const DiscreteScene> scene, double cone_spread,
                  int max_depth)
     : shot_(shot),
       looks_(looks),
       lights_(shot, looks),
-      scene_(std::make_shared<const DiscreteScene>(shot.meshes, DiscreteOptions{true, std::move(cut_outs)})),
+      scene_(std::move(scene)),
       cone_spread_(cone_spread),
       max_depth_(max_depth) {}
 

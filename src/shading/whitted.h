@@ -15,15 +15,12 @@ namespace kairos {
 /// Reads the shot and the looks, which must outlive it. Safe to use from many threads at once.
 class Whitted {
  public:
-  /// cut_outs: null for none.
-  Whitted(const Shot& shot, const Looks& looks, std::shared_ptr<const CutOuts> cut_outs, double cone_spread,
+  Whitted(const Shot& shot, const Looks& looks, std::shared_ptr<const DiscreteScene> scene, double cone_spread,
           int max_depth);
 
   /// Light that leaves the triangle towards the ray's origin. Shadow, reflected and refracted rays are discrete, at
   /// `time`. width: of the ray's cone where it meets the triangle.
   Vec3f radiance(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, double width, SampleKey key) const;
-
-  const std::shared_ptr<const DiscreteScene>& scene() const { return scene_; }
 
  private:
   struct Instant;  // what all rays of one shading sample have in common

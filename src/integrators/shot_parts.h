@@ -1,0 +1,59 @@
+// What is expensive to make of a shot, and the same for many pictures of it.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <tuple>
+
+#include <kairos/render.h>
+#include <kairos/tracer.h>
+
+#include "discrete/discrete_scene.h"
+#include "integrators/motion_mask.h"
+#include "shading/shader.h"
+
+namespace kairos {
+
+/// Each part is made when it is first asked for. Reads the shot, which must outlive it. Not to be used from two threads
+/// at once; what it hands out may be.
+class ShotParts {
+ public:
+  explicit ShotParts(const Shot& shot);
+
+  const Shot& shot() const { return shot_; }
+
+  /// discrete_keys: see RenderParams; of the rays that shading itself traces.
+  const Shader& shader(ShadingKind kind, bool want_normal, int max_depth, int discrete_keys);
+  const Tracer& tracer(std::optional<InstructionSet> instruction_set);
+  const DiscreteScene& discrete(int keys);
+  /// margin: see MotionMask.
+  const MotionMask& motion_mask(double margin);
+
+  /// The sum over what has been handed out since the last call, each counted once, of the time it took to make it, even
+  /// if that was long ago.
+  BuildSeconds take_build_seconds();
+
+ private:
+  /// A part and how long it took to make.
+  template <class Part>
+  struct Timed {
+    std::shared_ptr<const Part> part;
+    double seconds = 0;
+  };
+  template <class Part, class Make>
+  const Part& use(Timed<Part>& timed, double BuildSeconds::*field, const Make& make);
+  std::shared_ptr<const DiscreteScene> shared_discrete(int keys);
+  std::shared_ptr<const CutOuts> cut_outs();
+
+  const Shot& shot_;
+  std::unique_ptr<const Shader> surfaces_;  // for its cut-outs
+  std::map<std::tuple<ShadingKind, bool, int>, Timed<Shader>> shaders_;
+  std::map<std::optional<InstructionSet>, Timed<Tracer>> tracers_;
+  Timed<DiscreteScene> discrete_;
+  int discrete_keys_ = 0;
+  std::map<double, Timed<MotionMask>> masks_;
+  BuildSeconds used_;
+};
+
+}  // namespace kairos
