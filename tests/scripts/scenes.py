@@ -1,0 +1,46 @@
+"""The benchmark scenes: the same bytes on every run, something that moves, and one picture from both kinds of rays.
+
+Usage: scenes.py PROJECT_ROOT KAIROS FOLDER NAME...
+"""
+
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+root, kairos, out, names = pathlib.Path(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3]), sys.argv[4:]
+# PSNR of 64 time-continuous rays against 256 discrete samples: what noise leaves, and no more.
+AGREE, SIZE = 36.0, "64x36"
+
+
+def run(*command, **options):
+    done = subprocess.run([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          **options)
+    if done.returncode != 0:
+        sys.exit(f"status {done.returncode} from {' '.join(map(str, command))}\n{done.stdout}")
+    return done.stdout
+
+
+def make(name, folder, hash_seed):
+    environment = {**os.environ, "PYTHONHASHSEED": hash_seed, "PYTHONDONTWRITEBYTECODE": "1"}
+    run(sys.executable, root / "tools/make_scenes.py", name, "-o", folder, "--scale", "0.02", env=environment)
+    return {path.relative_to(folder): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+for name in names:
+    if make(name, out / "a", "1") != make(name, out / "b", "2"):
+        sys.exit(f"{name}: two runs gave different files")
+    scene, stats = out / "a" / name / "scene.json", out / "stats.json"
+    info = json.loads(run(kairos, "info", scene, "--json"))
+    moving = [mesh for mesh in info["meshes"] if len(mesh["key_times"]) > 1]
+    if not moving:
+        sys.exit(f"{name}: nothing moves")
+    shot = [scene, "--size", SIZE, "--quiet", "--stats-file", stats]
+    run(kairos, "render", *shot, "-o", out / "tc.exr", "--integrator", "tc", "--tc-rays", "64")
+    run(kairos, "render", *shot, "-o", out / "qmc.exr", "--integrator", "qmc", "--spp", "256")
+    psnr = float(re.search(r"PSNR ([\d.]+)", run(kairos, "compare", out / "qmc.exr", out / "tc.exr"))[1])
+    print(f"{name}: {info['triangles']} triangles, {len(moving)} meshes move, {psnr:.1f} dB")
+    if psnr < AGREE:
+        sys.exit(f"{name}: time-continuous and discrete rays are {psnr} dB from each other")

@@ -1,0 +1,40 @@
+#!/usr/bin/env python3
+"""Writes benchmark scenes, each into a folder of its own: DIR/NAME/scene.json and the files it names.
+
+    tools/make_scenes.py NAME...|all -o DIR [--scale F] [--scenes FOLDER]
+
+The same options give the same bytes. Needs Python's standard library only.
+"""
+
+import argparse
+import importlib
+import pathlib
+import sys
+
+SCENES = ["foliage"]
+
+
+def main():
+    sys.dont_write_bytecode = True
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="+", metavar="NAME", help=f"all, or of {', '.join(SCENES)}")
+    parser.add_argument("-o", "--output", type=pathlib.Path, required=True, metavar="DIR")
+    parser.add_argument("--scale", type=float, default=1.0, help="how many things there are, relative to usual (%(default)s)")
+    parser.add_argument("--spans", type=int, default=1, help="key spans of what deforms (%(default)s)")
+    options = parser.parse_args()
+    unknown = [name for name in options.names if name not in SCENES and name != "all"]
+    if unknown:
+        parser.error(f"no scene '{unknown[0]}'; there are all, {', '.join(SCENES)}")
+    if not 0 < options.scale <= 1000:
+        parser.error("--scale: more than 0, at most 1000")
+    if not 1 <= options.spans <= 64:
+        parser.error("--spans: 1 to 64")
+    for name in SCENES if "all" in options.names else options.names:
+        folder = options.output / name
+        folder.mkdir(parents=True, exist_ok=True)
+        scene = importlib.import_module(f"scenes.{name}").make(folder, options)
+        print(f"{scene.write()}: {scene.triangles} triangles of its own")
+
+
+if __name__ == "__main__":
+    main()

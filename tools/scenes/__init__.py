@@ -1,0 +1,1 @@
+"""Benchmark scenes of Kairos, made of code: one module per scene, each with make(folder, options)."""

@@ -1,0 +1,94 @@
+"""Writes native scenes: meshes with motion keys as binary PLY files, and the scene.json that puts them together."""
+
+import array
+import json
+import math
+import struct
+import sys
+
+
+def packed(numbers):
+    """Little-endian bytes of an array, whatever the machine."""
+    if sys.byteorder == "big":
+        numbers = array.array(numbers.typecode, numbers)
+        numbers.byteswap()
+    return numbers.tobytes()
+
+
+class Mesh:
+    """Triangles with one position per vertex and key. `smooth`: with a normal per vertex and key, too."""
+
+    def __init__(self, name, material, keys=1, smooth=False):
+        self.name, self.material, self.smooth = name, material, smooth
+        self.rows = [array.array("f") for _ in range(keys)]  # per key: x y z, and nx ny nz if smooth
+        self.triangles = array.array("i")
+        self.count = 0  # of vertices
+
+    def add(self, keys, triangles):
+        """`keys`: a list of vertices per key; a vertex is (x, y, z), or six numbers if smooth. Indices into them."""
+        for row, vertices in zip(self.rows, keys, strict=True):
+            for vertex in vertices:
+                row.extend(vertex)
+        for triangle in triangles:
+            self.triangles.extend(self.count + corner for corner in triangle)
+        self.count += len(keys[0])
+
+    def triangle_count(self):
+        return len(self.triangles) // 3
+
+    def write(self, folder):
+        """Returns the names of the files, one per key."""
+        names = "xyz"
+        properties = [f"property float {name}" for name in names]
+        if self.smooth:
+            properties += [f"property float n{name}" for name in names]
+        lines = ["ply", "format binary_little_endian 1.0", f"element vertex {self.count}", *properties,
+                 f"element face {self.triangle_count()}", "property list uchar int vertex_indices", "end_header", ""]
+        faces = b"".join(struct.pack("<Biii", 3, *self.triangles[i:i + 3]) for i in range(0, len(self.triangles), 3))
+        files = []
+        for key, row in enumerate(self.rows):
+            files.append(f"{self.name}_{key}.ply" if len(self.rows) > 1 else f"{self.name}.ply")
+            (folder / files[-1]).write_bytes("\n".join(lines).encode() + packed(row) + faces)
+        return files
+
+
+class Scene:
+    def __init__(self, folder, width=960, height=540):
+        self.folder = folder
+        self.json = {"kairos": 1, "image": {"width": width, "height": height}, "shutter": [0, 1]}
+        self.triangles = 0
+
+    def set(self, **fields):
+        """`include`, `background`, `shutter`: as the scene file has them."""
+        self.json.update(fields)
+
+    def camera(self, vfov_degrees, *keys):
+        """`keys`: (eye, target), spread evenly over times 0 to 1."""
+        keys = [{"eye": list(eye), "target": list(target)} for eye, target in keys]
+        self.json["camera"] = {"vfov_degrees": vfov_degrees, "keys": keys}
+
+    def material(self, name, base_color=(0.5, 0.5, 0.5), **properties):
+        properties = {"metallic": 0, "roughness": 1, **properties}
+        self.json.setdefault("materials", {})[name] = {"base_color": list(base_color), **properties}
+        return name
+
+    def light(self, kind, **properties):
+        self.json.setdefault("lights", []).append({"type": kind, **properties})
+
+    def mesh(self, mesh, **fields):
+        """`fields`: times, transform, as the scene file has them."""
+        if mesh.triangle_count() == 0:
+            return
+        entry = {"name": mesh.name, "keys": mesh.write(self.folder), "material": mesh.material, **fields}
+        self.json.setdefault("meshes", []).append(entry)
+        self.triangles += mesh.triangle_count()
+
+    def write(self):
+        path = self.folder / "scene.json"
+        path.write_text(json.dumps(self.json, indent=1) + "\n")
+        return path
+
+
+def many(count, scale, least=1):
+    """How many of something, when the user wants `scale` times as many as usual."""
+    return max(least, math.floor(count * scale + 0.5))
