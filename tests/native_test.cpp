@@ -43,6 +43,25 @@ class Native : public testing::Test {
   TempFolder folder_;
 };
 
+TEST_F(Native, AlphaMakesMasksAndVeils) {
+  using Mode = Material::AlphaMode;
+  const auto read = [&](const std::string& fields) {
+    return load(R"({"kairos": 1, "materials": {"m": {)" + fields + "}}}").materials.at(1);
+  };
+  EXPECT_EQ(read("").alpha_mode, Mode::opaque);
+  EXPECT_EQ(read("\"alpha\": 0.25").alpha_mode, Mode::blend);
+  EXPECT_EQ(read("\"alpha\": 0.25").alpha, 0.25f);
+  EXPECT_EQ(read("\"alpha_texture\": \"a.png\"").alpha_mode, Mode::blend);
+  EXPECT_EQ(read("\"alpha_texture\": \"a.png\"").alpha_texture, folder_.path("a.png"));
+  EXPECT_EQ(read("\"alpha_texture\": \"a.png\", \"alpha_cutoff\": 0.5").alpha_mode, Mode::mask);
+  EXPECT_EQ(read("\"alpha_mode\": \"blend\"").alpha_mode, Mode::blend);
+  EXPECT_EQ(read("\"alpha_mode\": \"mask\"").alpha_cutoff, 0.5f);
+  EXPECT_EQ(read("\"alpha_mode\": \"opaque\", \"alpha\": 0.5").alpha_mode, Mode::opaque);
+  refuse_fields(R"("materials": {"m": {"alpha": 1.5}})", {"materials.m.alpha", "1.5"});
+  refuse_fields(R"("materials": {"m": {"alpha_mode": "glass"}})", {"materials.m.alpha_mode", "glass", "blend"});
+  refuse_fields(R"("materials": {"m": {"alpha_mode": "blend", "alpha_cutoff": 0.5}})", {"alpha_cutoff", "mask"});
+}
+
 TEST_F(Native, ReadsAllOfItsFields) {
   const Scene scene = load(R"({"kairos": 1,
     "meshes": [{"name": "hand", "keys": ["a0.obj", "a1.obj"], "times": [-1, 3], "material": "skin",

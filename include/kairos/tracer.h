@@ -61,14 +61,17 @@ struct TraceCounters {
   TraceCounters& operator+=(const TraceCounters& other);
 };
 
-/// Says where surfaces are missing, as leaves are outside of what is painted on their triangles. Must be safe to use
-/// from many threads at once.
+/// Says where surfaces are missing, as leaves are outside of what is painted on their triangles, and which of them are
+/// veils: seen, but hiding nothing. Must be safe to use from many threads at once.
 class CutOuts {
  public:
   virtual ~CutOuts() = default;
-  /// False when nothing of the mesh is ever missing.
+  /// False when nothing of the mesh is ever missing and it is no veil.
   virtual bool has(uint32_t mesh) const = 0;
-  /// Is the point there in which the ray meets the triangle at `time`?
+  /// Veils hide nothing from time-continuous rays, which hand over what they meet of them apart: see Workspace::veils.
+  virtual bool is_veil(uint32_t /*mesh*/) const { return false; }
+  /// Is the point there in which the ray meets the triangle at `time`? Of a veil, which only discrete rays ask about:
+  /// by chance, as often as its opacity says, and the same whenever asked.
   virtual bool solid(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const = 0;
   /// Replaces `times` by when, during a hit, it is: begin, end, begin, end, ..., ascending.
   virtual void solid_times(const Ray& ray, const Segment& hit, std::vector<float>& times) const = 0;
@@ -110,6 +113,9 @@ class Tracer {
     Workspace& operator=(Workspace&&) noexcept;
 
     const TraceCounters& counters() const;  ///< work of all rays traced with this workspace so far
+    /// What the ray traced last for Visibility::visible meets of veils in front of its segments (where there is none:
+    /// at any distance). Ordered by begin, then mesh and triangle; they may overlap. Valid until the next use.
+    std::span<const Segment> veils() const;
 
    private:
     friend class Tracer;
@@ -121,7 +127,7 @@ class Tracer {
   /// direction, meets nothing.
   std::span<const Segment> trace(const Ray& ray, Visibility visibility, Workspace& workspace) const;
 
-  /// Many rays, in parallel. The result does not depend on the number of threads.
+  /// Many rays, in parallel; without veils. The result does not depend on the number of threads.
   SegmentBatch trace(std::span<const Ray> rays, Visibility visibility, TraceCounters* counters = nullptr) const;
 
   InstructionSet instruction_set() const;

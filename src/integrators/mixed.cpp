@@ -97,9 +97,9 @@ class MixedIntegrator : public Integrator {
         const Ray ray = context_.ray(x, y, point);
         const auto segments = integrator_.tracer_.trace(ray, Visibility::visible, workspace_);
         const size_t first = shaded_.size();
-        shading_.shade(ray, segments, pixel.seed, i, point.time, shaded_);
+        shading_.shade(ray, segments, workspace_.veils(), pixel.seed, i, point.time, shaded_);
         still += fill_background(first);
-        rays_.push_back({first, shaded_.size(), static_cast<uint32_t>(segments.size())});
+        rays_.push_back({first, shaded_.size(), static_cast<uint32_t>(segments.size() + workspace_.veils().size())});
       }
       if (still > 0) {
         const Look correction = still_correction(x, y, pixel, plan, monitor);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "integrators/integrator.h"
+#include "integrators/layer_shading.h"
 #include "integrators/spread.h"
 #include "math/hash.h"
 
@@ -14,13 +15,19 @@ namespace kairos {
 class SegmentShading {
  public:
   /// samples: per ray, see spread_samples.
-  SegmentShading(const PixelContext& context, int samples) : context_(context), samples_per_ray_(samples) {}
+  SegmentShading(const PixelContext& context, int samples)
+      : context_(context), samples_per_ray_(samples), layers_(context) {}
 
-  /// Appends the shaded parts of the segments of ray `index` of a pixel to `out`. phase: see spread_samples.
-  void shade(const Ray& ray, std::span<const Segment> segments, uint64_t pixel_seed, uint32_t index, float phase,
-             std::vector<ShadedSegment>& out) {
+  /// Appends the shaded parts of the segments of ray `index` of a pixel, seen through `veils`, to `out`. phase: see
+  /// spread_samples.
+  void shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> veils, uint64_t pixel_seed,
+             uint32_t index, float phase, std::vector<ShadedSegment>& out) {
     if (pixel_seed != key_.seed) key_ = {pixel_seed, 0};
     const double share = unit_float(hash(pixel_seed, index, kShareDimension));
+    if (!veils.empty() || context_.shader.has_sky()) {
+      evaluations_ += layers_.shade(ray, segments, veils, samples_per_ray_, share, phase, key_, out);
+      return;
+    }
     spread_samples(
         segments, samples_per_ray_, share, phase, [&](const Segment& s) { return context_.shader.varies(s.mesh); },
         samples_);
@@ -46,6 +53,7 @@ class SegmentShading {
 
   const PixelContext& context_;
   int samples_per_ray_;
+  LayerShading layers_;
   std::vector<ShadingSample> samples_;
   SampleKey key_;  // of the next shading sample: numbered through each pixel
   uint64_t evaluations_ = 0;

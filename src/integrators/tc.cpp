@@ -29,8 +29,8 @@ class TcIntegrator : public Integrator {
         const Ray ray = context_.ray(x, y, point);
         const auto segments = integrator_.tracer_.trace(ray, Visibility::visible, workspace_);
         shaded_.clear();
-        shading_.shade(ray, segments, pixel.seed, i, point.time, shaded_);
-        sink.add({ShadedRay::Kind::tc, shaded_, static_cast<uint32_t>(segments.size())});
+        shading_.shade(ray, segments, workspace_.veils(), pixel.seed, i, point.time, shaded_);
+        sink.add({ShadedRay::Kind::tc, shaded_, static_cast<uint32_t>(segments.size() + workspace_.veils().size())});
       }
     }
 

@@ -10,6 +10,7 @@
 #include "kernels/moving_triangle.h"
 #include "kernels/resolve.h"
 #include "kernels/time_bins.h"
+#include "kernels/veils.h"
 
 namespace kairos {
 
@@ -37,8 +38,10 @@ struct RayState {
   TimeBins bins;
   std::vector<Segment> hits;
   std::vector<StackEntry> stack;
-  std::vector<Segment> segments;  ///< the result
+  std::vector<Segment> segments;          ///< the result
+  std::vector<Segment> veil_hits, veils;  ///< of veils: all hits, and what can be seen of them
   ResolveScratch resolve;
+  VeilScratch clip;
   TraceCounters counters;
   const CutOuts* cut_outs = nullptr;
   Ray ray;                     ///< for cut_outs
@@ -51,6 +54,8 @@ struct RayState {
     cut_outs = missing;
     visibility = wanted;
     hits.clear();
+    veil_hits.clear();
+    veils.clear();
     bins.clear();
     // Each level leaves at most all but one of its children on the stack.
     const size_t deepest = static_cast<size_t>(tree_depth) * (kWidth - 1) + kWidth;
@@ -59,18 +64,20 @@ struct RayState {
   }
 
   void end_ray() {
-    counters.hits += hits.size();
+    counters.hits += hits.size() + veil_hits.size();
+    if (!veil_hits.empty()) clip_veils(veil_hits, hits, clip, veils);
     if (culls())
       resolve_visible(hits, resolve, segments);
     else
       order_all(hits, segments);
-    counters.segments += segments.size();
+    counters.segments += segments.size() + veils.size();
   }
 
   /// Takes up what is there of a hit in shutter time, unless something is known to hide it.
   void add(const Segment& hit) {
     if (!(hit.begin < hit.end) || is_hidden(hit)) return;
     if (cut_outs == nullptr || !cut_outs->has(hit.mesh)) return take_up(hit);
+    if (cut_outs->is_veil(hit.mesh)) return culls() ? veil_hits.push_back(hit) : take_up(hit);
     cut_outs->solid_times(ray, hit, present);
     const float slope = (hit.dist_end - hit.dist_begin) / hit.duration();
     for (size_t i = 0; i + 1 < present.size(); i += 2) {
@@ -83,9 +90,13 @@ struct RayState {
     }
   }
 
-  /// Whether a hit that lasts for the whole shutter, on what stands still, is there at all.
-  bool is_there(const Segment& hit) const {
-    return cut_outs == nullptr || !cut_outs->has(hit.mesh) || cut_outs->solid(ray, hit.mesh, hit.triangle, hit.begin);
+  /// Whether a hit that lasts for the whole shutter, on what stands still, is there to hide what is behind it. What is
+  /// met of a veil is taken up here.
+  bool is_there(const Segment& hit) {
+    if (cut_outs == nullptr || !cut_outs->has(hit.mesh)) return true;
+    if (!cut_outs->is_veil(hit.mesh)) return cut_outs->solid(ray, hit.mesh, hit.triangle, hit.begin);
+    if (culls()) veil_hits.push_back(hit);
+    return !culls();
   }
 
  private:

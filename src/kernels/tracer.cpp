@@ -35,6 +35,7 @@ Tracer::Workspace::~Workspace() = default;
 Tracer::Workspace::Workspace(Workspace&&) noexcept = default;
 Tracer::Workspace& Tracer::Workspace::operator=(Workspace&&) noexcept = default;
 const TraceCounters& Tracer::Workspace::counters() const { return state_->counters; }
+std::span<const Segment> Tracer::Workspace::veils() const { return state_->veils; }
 
 Tracer::Tracer(std::span<const Mesh> meshes, const TracerOptions& options) : impl_(std::make_unique<Impl>()) {
   for (const Mesh& mesh : meshes) validate_mesh(mesh);

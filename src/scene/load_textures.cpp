@@ -47,7 +47,7 @@ std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_on
     if (!name.empty()) slots.try_emplace({name, encoding});
   };
   for (const Material& material : scene.materials) {
-    if (!cut_outs_only || material.alpha_mode == Material::AlphaMode::mask) {
+    if (!cut_outs_only || material.alpha_mode != Material::AlphaMode::opaque) {
       ask(material.base_color_texture, Texture::Encoding::srgb);
       ask(material.alpha_texture, Texture::Encoding::linear);
     }

@@ -22,11 +22,31 @@ void read_if(const JsonNode& node, const char* field, Vec3f& out) {
   if (const auto value = node.find(field)) out = value->color();
 }
 
+/// Unless the mode is given, a cut-off makes a mask, and an alpha of its own something blended.
+void read_alpha(const JsonNode& node, Material& material) {
+  using Mode = Material::AlphaMode;
+  const auto cutoff = node.find("alpha_cutoff");
+  read_if(node, "alpha", material.alpha, 0, 1);
+  read_if(node, "alpha_cutoff", material.alpha_cutoff, 0, 1);
+  if (cutoff)
+    material.alpha_mode = Mode::mask;
+  else if (node.find("alpha") || node.find("alpha_texture"))
+    material.alpha_mode = Mode::blend;
+  const auto mode = node.find("alpha_mode");
+  if (!mode) return;
+  const std::string name = mode->string();
+  if (name != "opaque" && name != "mask" && name != "blend")
+    mode->fail("unknown alpha mode '" + printable(name) + "'; expected opaque, mask or blend");
+  material.alpha_mode = name == "opaque" ? Mode::opaque : name == "mask" ? Mode::mask : Mode::blend;
+  if (cutoff && material.alpha_mode != Mode::mask) cutoff->fail("only the alpha mode 'mask' has a cut-off");
+}
+
 }  // namespace
 
 Material read_material(const std::string& name, const JsonNode& node, const std::string& folder) {
   node.expect_fields({"base_color", "base_color_texture", "emission", "emission_texture", "metallic", "roughness",
-                      "metallic_roughness_texture", "transmission", "ior", "alpha_cutoff"});
+                      "metallic_roughness_texture", "transmission", "ior", "alpha_mode", "alpha", "alpha_texture",
+                      "alpha_cutoff"});
   Material material;
   material.name = name;
   read_if(node, "base_color", material.base_color);
@@ -41,10 +61,8 @@ Material read_material(const std::string& name, const JsonNode& node, const std:
   read_texture("base_color_texture", material.base_color_texture);
   read_texture("emission_texture", material.emission_texture);
   read_texture("metallic_roughness_texture", material.metallic_roughness_texture);
-  if (node.find("alpha_cutoff")) {
-    material.alpha_mode = Material::AlphaMode::mask;
-    read_if(node, "alpha_cutoff", material.alpha_cutoff, 0, 1);
-  }
+  read_alpha(node, material);
+  read_texture("alpha_texture", material.alpha_texture);
   return material;
 }
 

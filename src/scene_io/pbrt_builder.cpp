@@ -165,7 +165,7 @@ uint32_t Builder::material_index(const Alpha& alpha) {
   if (now_.surface->invisible) material.base_color = {};
   material.emission = emission;
   if (!alpha.image.empty()) {
-    material.alpha_mode = Material::AlphaMode::mask;
+    if (material.alpha_mode == Material::AlphaMode::opaque) material.alpha_mode = Material::AlphaMode::mask;
     material.alpha_texture = alpha.image;
   } else if (alpha.value < 1) {
     material.alpha_mode = Material::AlphaMode::blend;

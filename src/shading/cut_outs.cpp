@@ -1,8 +1,10 @@
 #include "shading/cut_outs.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "math/hash.h"
 #include "shading/surface.h"
 
 namespace kairos {
@@ -10,15 +12,31 @@ namespace kairos {
 namespace {
 constexpr float kTimeTolerance = 1e-4f;  // shutter time
 constexpr int kMostProbes = 256;
+
+uint64_t bits_of(float a, float b) {
+  return static_cast<uint64_t>(std::bit_cast<uint32_t>(a)) << 32 | std::bit_cast<uint32_t>(b);
+}
 }  // namespace
 
 AlphaCutOuts::AlphaCutOuts(const Shot& shot, const Looks& looks) : shot_(shot), looks_(looks), cone_(shot.projection) {
   for (uint32_t m = 0; m < shot.meshes.size(); ++m) {
-    const Material& material = looks.material(m);
-    has_.push_back(material.alpha_mode == Material::AlphaMode::mask &&
-                   (looks.has_alpha_texture(m) || material.alpha < material.alpha_cutoff));
-    any_ = any_ || has_.back();
+    kinds_.push_back(kind_of(m));
+    any_ = any_ || has(m);
   }
+}
+
+AlphaCutOuts::Kind AlphaCutOuts::kind_of(uint32_t mesh) const {
+  const Material& material = looks_.material(mesh);
+  const bool has_texture = looks_.has_alpha_texture(mesh);
+  switch (material.alpha_mode) {
+    case Material::AlphaMode::opaque:
+      break;
+    case Material::AlphaMode::mask:
+      return has_texture || material.alpha < material.alpha_cutoff ? Kind::cut_out : Kind::whole;
+    case Material::AlphaMode::blend:  // many exporters say so of all materials
+      return has_texture || material.alpha < 1 ? Kind::veil : Kind::whole;
+  }
+  return Kind::whole;
 }
 
 AlphaPoint AlphaCutOuts::at(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
@@ -27,7 +45,18 @@ AlphaPoint AlphaCutOuts::at(const Ray& ray, uint32_t mesh, uint32_t triangle, fl
   return looks_.alpha_at(mesh, triangle, vertices, weights, cone_.width_at(point_of(vertices, weights), ray));
 }
 
+float AlphaCutOuts::opacity(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
+  const float alpha = at(ray, mesh, triangle, time).alpha;
+  return alpha > 0 ? std::min(alpha, 1.0f) : 0;
+}
+
 bool AlphaCutOuts::solid(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
+  if (is_veil(mesh)) {
+    const Vec3f &from = ray.origin, &way = ray.direction;
+    const uint64_t chance = hash(bits_of(from.x, from.y), bits_of(from.z, time), bits_of(way.x, way.y),
+                                 bits_of(way.z, 0), static_cast<uint64_t>(mesh) << 32 | triangle);
+    return unit_float(chance) < opacity(ray, mesh, triangle, time);
+  }
   return at(ray, mesh, triangle, time).alpha >= looks_.material(mesh).alpha_cutoff;
 }
 

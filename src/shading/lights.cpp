@@ -42,14 +42,14 @@ double area_of(const std::array<Vec3d, 3>& v) { return length(cross(v[1] - v[0],
 
 }  // namespace
 
-Lights::Lights(const Shot& shot, const Looks& looks) : shot_(shot), background_(shot.background) {
+Lights::Lights(const Shot& shot, const Looks& looks) : shot_(shot), looks_(looks), background_(shot.background) {
   for (const Light& light : shot.lights) {
     if (const auto* constant = std::get_if<ConstantLight>(&light))
       environment_ += constant->radiance;
     else
       punctual_.push_back(light);
   }
-  add_areas(looks);
+  add_areas();
   if (!punctual_.empty() || has_areas() || has_environment()) return;
   environment_ = Vec3f{1, 1, 1} * kDefaultAmbient;
   std::array<Vec3d, 3> axes = Place{}.axes;
@@ -58,12 +58,12 @@ Lights::Lights(const Shot& shot, const Looks& looks) : shot_(shot), background_(
   punctual_.push_back(DirectionalLight{to_float(travels), Vec3f{1, 1, 1} * kDefaultIrradiance});
 }
 
-void Lights::add_areas(const Looks& looks) {
+void Lights::add_areas() {
   double sum = 0;
   for (uint32_t m = 0; m < shot_.meshes.size(); ++m) {
     const Mesh& mesh = shot_.meshes[m];
-    if (looks.has_emission_texture(m)) continue;
-    const double radiance = brightness(looks.material(m).emission);
+    if (looks_.has_emission_texture(m)) continue;
+    const double radiance = brightness(looks_.material(m).emission);
     if (!(radiance > 0) || !std::isfinite(radiance)) continue;
     for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
       sum += radiance * std::max(area_of(triangle_at(mesh, i, 0)), area_of(triangle_at(mesh, i, 1)));
@@ -72,6 +72,15 @@ void Lights::add_areas(const Looks& looks) {
   }
   if (!(sum > 0) || !std::isfinite(sum)) return areas_.clear();
   for (AreaTriangle& one : areas_) one.end /= sum;
+}
+
+float Lights::presence(uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& vertices,
+                       const std::array<float, 3>& weights) const {
+  const Material& material = looks_.material(mesh);
+  if (material.alpha_mode == Material::AlphaMode::opaque) return 1;
+  const float alpha = looks_.alpha_at(mesh, triangle, vertices, weights, 0).alpha;
+  return material.alpha_mode == Material::AlphaMode::blend ? std::clamp(alpha, 0.0f, 1.0f)
+                                                           : (alpha >= material.alpha_cutoff ? 1 : 0);
 }
 
 std::optional<ArrivingLight> Lights::punctual(size_t index, Vec3d point, const Place& place) const {
@@ -87,13 +96,16 @@ std::optional<ArrivingLight> Lights::area(Vec3d point, float time, const std::ar
   const std::array<Vec3d, 3> v = triangle_at(mesh, chosen->triangle, time);
   // Uniform on the triangle: G. Turk, in Graphics Gems, 1990.
   const double root = std::sqrt(static_cast<double>(sample[1])), along = sample[2];
-  const Vec3d target = v[0] * (1 - root) + v[1] * (root * (1 - along)) + v[2] * (root * along);
+  const std::array<float, 3> weights{static_cast<float>(1 - root), static_cast<float>(root * (1 - along)),
+                                     static_cast<float>(root * along)};
+  const Vec3d target = point_of(v, weights);
   const Vec3d way = target - point;
   const double dist_squared = dot(way, way), dist = std::sqrt(dist_squared);
   if (!(dist > 0) || !(probability > 0)) return std::nullopt;
   const double cosine = std::abs(dot(geometric_normal(v), way)) / dist;
   const Vec3f emission = shot_.materials[mesh.material].emission;
-  const double factor = cosine * area_of(v) / (dist_squared * probability);
+  const double factor =
+      presence(chosen->mesh, chosen->triangle, v, weights) * cosine * area_of(v) / (dist_squared * probability);
   if (!(factor > 0) || !std::isfinite(factor)) return std::nullopt;
   return ArrivingLight{way / dist, dist, emission * static_cast<float>(factor)};
 }

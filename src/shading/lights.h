@@ -29,7 +29,7 @@ struct ArrivingLight {
   Vec3f irradiance;  ///< on a surface that faces it
 };
 
-/// Reads the shot, which must outlive it. Safe to use from many threads at once.
+/// Reads the shot and the looks, which must outlive it. Safe to use from many threads at once.
 class Lights {
  public:
   /// Light in a scene without any: see docs/command-line.md.
@@ -60,9 +60,13 @@ class Lights {
     uint32_t mesh, triangle;
     double end;  // of its part of [0, 1]
   };
-  void add_areas(const Looks& looks);
+  void add_areas();
+  /// How much of a triangle is there, 0 to 1, at the point with these weights.
+  float presence(uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& vertices,
+                 const std::array<float, 3>& weights) const;
 
   const Shot& shot_;
+  const Looks& looks_;
   std::vector<Light> punctual_;
   std::vector<AreaTriangle> areas_;
   Vec3f environment_, background_;

@@ -56,7 +56,6 @@ Look Looks::at(uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& ver
   if (entry.textures->alpha) look.alpha *= look_up(*entry.textures->alpha, uv, uv_width).colour.x;
   if (entry.textures->emission && look.emission != Vec3f{})
     look.emission = look.emission * look_up(*entry.textures->emission, uv, uv_width).colour;
-  if (entry.textures->alpha) look.alpha *= look_up(*entry.textures->alpha, uv, uv_width).colour.x;
   if (entry.textures->metallic_roughness) {
     const Texel texel = look_up(*entry.textures->metallic_roughness, uv, uv_width);
     look.roughness *= texel.colour.y;

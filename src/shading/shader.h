@@ -36,7 +36,17 @@ class Shader {
   /// False when all instants at which a ray sees one of the mesh's triangles look the same.
   bool varies(uint32_t mesh) const { return varies_[mesh]; }
 
-  /// Where surfaces are missing: for everything that traces rays through the shot. Null for nowhere.
+  /// Of a veil: how much of what is behind it it hides. See CutOuts.
+  float opacity(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
+    return cut_outs_ ? cut_outs_->opacity(ray, mesh, triangle, time) : 1;
+  }
+
+  /// What a ray sees that leaves the scene.
+  Vec3f sky(const Ray& /*ray*/, float /*time*/) const { return shot_.background; }
+  bool has_sky() const { return false; }     ///< is it another colour than the shot's background anywhere?
+  bool sky_varies() const { return false; }  ///< may it look different at other instants?
+
+  /// Where surfaces are missing or veils: for everything that traces rays through the shot. Null for nowhere.
   const std::shared_ptr<const AlphaCutOuts>& cut_outs() const { return cut_outs_; }
 
  private:

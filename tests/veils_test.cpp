@@ -1,0 +1,350 @@
+// Blended surfaces: how much is seen of them and through them, and when.
+#include "kernels/veils.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include <kairos/render.h>
+
+#include "film/shaded_segment.h"
+#include "image/texture.h"
+#include "integrators/layers.h"
+#include "shading/shader.h"
+#include "whitted_scene.h"
+
+namespace kairos {
+namespace {
+
+constexpr Vec3f kRed{1, 0, 0}, kGreen{0, 1, 0}, kBlue{0, 0, 1};
+
+Material veil(Vec3f colour, float alpha) {
+  Material material = lambert(colour);
+  material.alpha_mode = Material::AlphaMode::blend;
+  material.alpha = alpha;
+  return material;
+}
+
+/// Moves by `way` while the shutter is open.
+Mesh moving(Mesh mesh, Vec3f way) {
+  mesh.positions.push_back(mesh.positions[0]);
+  for (Vec3f& p : mesh.positions[1]) p = p + way;
+  mesh.key_times = {0, 1};
+  return mesh;
+}
+
+/// Faces the camera, 2 wide around (x, 0, z).
+Mesh pane(float x, float z, uint32_t material) {
+  Mesh mesh = parallelogram({x - 1, -1, z}, {2, 0, 0}, {0, 2, 0}, material);
+  mesh.uvs = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+  return mesh;
+}
+Mesh wall(float z, uint32_t material) { return parallelogram({-20, -20, z}, {40, 0, 0}, {0, 40, 0}, material); }
+
+/// One pixel, so small that all of it sees the same.
+Shot point_shot(std::vector<Material> materials, std::vector<Mesh> meshes) {
+  Shot shot;
+  shot.materials = std::move(materials);
+  shot.meshes = std::move(meshes);
+  shot.projection = {1, 1, true, 0.5, 1e-4};
+  return shot;
+}
+
+Image picture(const Shot& shot, IntegratorKind kind, int rays, ShadingKind shading = ShadingKind::flat,
+              int threads = 0) {
+  RenderParams params;
+  params.integrator = kind;
+  params.shading = shading;
+  params.tc_rays = rays;
+  params.spp = rays;
+  params.threads = threads;
+  params.aovs = {Aov::coverage, Aov::depth, Aov::mesh};
+  return render(shot, params);
+}
+
+void expect_colour(const Image& image, Vec3f colour, float tolerance) {
+  EXPECT_NEAR(image.find("R")->values[0], colour.x, tolerance);
+  EXPECT_NEAR(image.find("G")->values[0], colour.y, tolerance);
+  EXPECT_NEAR(image.find("B")->values[0], colour.z, tolerance);
+}
+
+/// All integrators: the time-continuous ones exactly, as all is constant between changes.
+void expect_everywhere(const Shot& shot, Vec3f colour, float coverage) {
+  for (const auto& [kind, rays, tolerance] : {std::tuple{IntegratorKind::tc, 1, 2e-4f},
+                                              {IntegratorKind::qmc, 1 << 14, 0.015f},
+                                              {IntegratorKind::mixed, 1 << 10, 0.06f},
+                                              {IntegratorKind::automatic, 1 << 14, 0.015f}}) {
+    SCOPED_TRACE(static_cast<int>(kind));
+    const Image image = picture(shot, kind, rays);
+    expect_colour(image, colour, tolerance);
+    EXPECT_NEAR(image.find("coverage.A")->values[0], coverage, tolerance);
+  }
+}
+
+TEST(Veils, HalfOfTheTimeInFrontOfAWall) {
+  expect_everywhere(point_shot({veil(kRed, 0.5f), lambert(kBlue)}, {moving(pane(-2, -4, 0), {4, 0, 0}), wall(-8, 1)}),
+                    {0.25f, 0, 0.75f}, 1);
+}
+
+TEST(Veils, StandingStillToo) {
+  expect_everywhere(point_shot({veil(kRed, 0.25f), lambert(kBlue)}, {pane(0, -4, 0), wall(-8, 1)}), {0.25f, 0, 0.75f},
+                    1);
+}
+
+TEST(Veils, OneThatStandsStillBeforeWhatMoves) {
+  expect_everywhere(
+      point_shot({veil(kRed, 0.25f), lambert(kBlue)}, {pane(0, -4, 0), moving(pane(-2, -8, 1), {4, 0, 0})}),
+      {0.25f, 0, 0.375f}, 0.625f);
+}
+
+TEST(Veils, BeforeTheBackground) {
+  Shot shot = point_shot({veil(kRed, 0.5f)}, {moving(pane(-2, -4, 0), {4, 0, 0})});
+  shot.background = {0, 0.5f, 0};
+  expect_everywhere(shot, {0.25f, 0.375f, 0}, 0.25f);
+  EXPECT_NEAR(picture(shot, IntegratorKind::tc, 1).find("depth.Z")->values[0], 4, 1e-4);
+}
+
+TEST(Veils, TwoThatCrossInDepth) {
+  // The red one passes the green one after a quarter of the time.
+  expect_everywhere(point_shot({veil(kRed, 0.5f), veil(kGreen, 0.5f), lambert(kBlue)},
+                               {moving(pane(0, -4, 0), {0, 0, -4}), pane(0, -5, 1), wall(-9, 2)}),
+                    {0.3125f, 0.4375f, 0.25f}, 1);
+}
+
+TEST(Veils, OneThatGoesThroughTheWall) {
+  expect_everywhere(point_shot({veil(kRed, 0.5f), lambert(kBlue)}, {moving(pane(0, -4, 0), {0, 0, -8}), wall(-6, 1)}),
+                    {0.125f, 0, 0.875f}, 1);
+}
+
+TEST(Veils, ManyPiecesOfWhatTurnsBehind) {
+  // A wall that comes to meet the veil and goes back: it hides it from a quarter to three quarters of the time.
+  Mesh swings = wall(-8, 1);
+  swings.positions.assign(3, swings.positions[0]);
+  for (Vec3f& p : swings.positions[1]) p.z = -4;
+  swings.key_times = {0, 0.5f, 1};
+  expect_everywhere(point_shot({veil(kRed, 0.5f), lambert(kBlue)}, {pane(0, -6, 0), swings}), {0.25f, 0, 0.75f}, 1);
+}
+
+TEST(Veils, WhatHidesNothingStaysOutOfTheSegments) {
+  const Shot shot =
+      point_shot({veil(kRed, 0.5f), lambert(kBlue)}, {moving(pane(0, -4, 0), {0, 0, -8}), wall(-6, 1), pane(0, -3, 0)});
+  const Shader shader(shot, ShadingKind::flat, false);
+  for (const InstructionSet set : supported_instruction_sets())
+    for (const Precision precision : {Precision::fast, Precision::exact}) {
+      const Tracer tracer(shot.meshes, {precision, set, shader.cut_outs()});
+      Tracer::Workspace workspace;
+      const Ray ray{{0.1f, 0.2f, 0}, {0, 0, -1}};
+      const auto seen = tracer.trace(ray, Visibility::visible, workspace);
+      ASSERT_EQ(seen.size(), 1u) << to_string(set);
+      EXPECT_EQ(seen[0].mesh, 1u);
+      EXPECT_EQ(seen[0].duration(), 1);
+      const auto veils = workspace.veils();
+      ASSERT_EQ(veils.size(), 2u);
+      EXPECT_EQ(veils[0].mesh, 0u);
+      EXPECT_NEAR(veils[0].end, 0.25f, 1e-5);
+      EXPECT_NEAR(veils[0].dist_end, 6, 1e-4);
+      EXPECT_EQ(veils[1].mesh, 2u);
+      EXPECT_EQ(veils[1].duration(), 1);
+      EXPECT_EQ(tracer.trace(ray, Visibility::all, workspace).size(), 3u);
+      EXPECT_TRUE(workspace.veils().empty());
+    }
+}
+
+TEST(Veils, OpaqueWhereAlphaIsOne) {
+  EXPECT_FALSE(Shader(point_shot({veil(kRed, 1)}, {pane(0, -4, 0)}), ShadingKind::flat, false).cut_outs());
+  Shot shot = point_shot({veil(kRed, 1), lambert(kBlue)}, {pane(0, -4, 0), wall(-8, 1)});
+  shot.textures = {{std::make_shared<const Texture>(Pixels{1, 1, {255, 255, 255, 51}, {}}, Texture::Encoding::srgb),
+                    nullptr, nullptr},
+                   {}};
+  expect_everywhere(shot, {0.2f, 0, 0.8f}, 1);
+}
+
+TEST(Veils, AlphaAlongThePathOfTheHitPoint) {
+  // Alpha grows as the square along u, which the pane's motion takes across the pixel in the middle half of the time.
+  constexpr int kSize = 256;
+  Pixels pixels{kSize, 1, {}, {}};
+  double mean = 0;
+  for (int x = 0; x < kSize; ++x) {
+    const float alpha = std::pow((static_cast<float>(x) + 0.5f) / kSize, 2.0f);
+    pixels.values.insert(pixels.values.end(), {1, 1, 1, alpha});
+    mean += static_cast<double>(alpha) / kSize;
+  }
+  Shot shot = point_shot({veil(kRed, 0.5f), lambert(kBlue)}, {moving(pane(-2, -4, 0), {4, 0, 0}), wall(-8, 1)});
+  shot.textures = {{std::make_shared<const Texture>(std::move(pixels), Texture::Encoding::srgb), nullptr, nullptr}, {}};
+  const auto red = static_cast<float>(0.25 * mean);
+  expect_colour(picture(shot, IntegratorKind::tc, 64), {red, 0, 1 - red}, 5e-4f);
+  expect_colour(picture(shot, IntegratorKind::qmc, 1 << 14), {red, 0, 1 - red}, 0.01f);
+}
+
+TEST(Veils, ShadowsAndReflectionsLetThroughAsMuch) {
+  Shot shot;
+  shot.materials = {veil({1, 1, 1}, 0.25f), lambert({1, 1, 1}), mirror({1, 1, 1}), lamp({0, 1, 0})};
+  shot.lights = {DirectionalLight{{0, 0, -1}, {3, 3, 3}}};
+  shot.meshes = {moving(pane(0, -4, 0), {0.5f, 0, 0}), wall(-8, 1)};
+  const Shader shadow(shot, ShadingKind::whitted, false);
+  const auto mean = [](const Shader& shader, uint32_t mesh, auto ray_at) {
+    Vec3d sum;
+    constexpr uint32_t kCount = 1 << 14;
+    for (uint32_t i = 0; i < kCount; ++i) {
+      const float time = (static_cast<float>(i) + 0.5f) / kCount;
+      sum += to_double(shader.shade(ray_at(time), mesh, 0, time, {7, i}).colour) / kCount;
+    }
+    return sum;
+  };
+  const auto behind = [](float x) { return [x](float) { return Ray{{x, 0.3f, -6}, {0, 0, -1}}; }; };
+  const Vec3d shaded = mean(shadow, 1, behind(0)), lit = mean(shadow, 1, behind(5));
+  EXPECT_NEAR(lit.x, 3 / M_PI, 1e-3);
+  EXPECT_NEAR(shaded.x / lit.x, 0.75, 0.015);
+
+  // A mirror that sees a lamp through the pane.
+  shot.lights = {ConstantLight{{0, 0, 0}}};
+  shot.meshes = {pane(0, -4, 0), wall(-8, 2), wall(2, 3)};
+  shot.materials[0].base_color = {0, 0, 0};
+  const Shader reflection(shot, ShadingKind::whitted, false);
+  const auto skewed = [](float time) { return Ray{{0, 0, -6}, {0.01f * time, 0, -1}}; };
+  EXPECT_NEAR(mean(reflection, 1, skewed).y, 0.75, 0.03) << "less what the black pane reflects at its surface";
+}
+
+TEST(Veils, LampsShineAsMuchAsTheyAreThere) {
+  Shot shot;
+  shot.materials = {lamp({4, 4, 4}), lambert({1, 1, 1})};
+  shot.meshes = {pane(0, -4, 0), wall(-8, 1)};
+  const Ray ray{{0, 0, -6}, {0, 0, -1}};
+  const auto lit = [&] {
+    const Shader shader(shot, ShadingKind::whitted, false);
+    return shader.shade(ray, 1, 0, 0.5f, {7, 0}).colour.x;
+  };
+  const float whole = lit();
+  EXPECT_GT(whole, 0.1f);
+  shot.materials[0].alpha_mode = Material::AlphaMode::blend;
+  shot.materials[0].alpha = 0.25f;
+  EXPECT_NEAR(lit(), 0.25f * whole, 1e-6f);
+  shot.materials[0].alpha_mode = Material::AlphaMode::mask;
+  EXPECT_EQ(lit(), 0);
+}
+
+/// Panes that move and turn in front of each other and of what is opaque.
+Shot crowd() {
+  std::mt19937 random(20);
+  const auto number = [&](float low, float high) { return std::uniform_real_distribution<float>(low, high)(random); };
+  Shot shot;
+  shot.materials = {veil({1, 0.3f, 0.1f}, 0.6f), veil({0.1f, 1, 0.2f}, 0.3f), lambert({0.2f, 0.3f, 1})};
+  shot.background = {0.1f, 0.1f, 0.1f};
+  for (uint32_t i = 0; i < 24; ++i) {
+    Mesh mesh = pane(number(-2, 2), number(-9, -4), i % 3);
+    if (i % 4 != 0) {
+      mesh = moving(mesh, {number(-3, 3), number(-1, 1), number(-3, 3)});
+      for (Vec3f& p : mesh.positions[1]) p.z += number(-2, 2);
+    }
+    shot.meshes.push_back(mesh);
+  }
+  shot.projection.width = 16;
+  shot.projection.height = 12;
+  return shot;
+}
+
+TEST(Veils, AllIntegratorsAgree) {
+  const Shot shot = crowd();
+  for (const ShadingKind shading : {ShadingKind::flat, ShadingKind::normal}) {
+    const Image reference = picture(shot, IntegratorKind::qmc, 2048, shading);
+    for (const IntegratorKind kind : {IntegratorKind::tc, IntegratorKind::mixed, IntegratorKind::automatic}) {
+      const Image other = picture(shot, kind, kind == IntegratorKind::automatic ? 2048 : 128, shading);
+      for (const char* channel : {"R", "G", "B", "coverage.A"}) {
+        const auto &a = reference.find(channel)->values, &b = other.find(channel)->values;
+        double square = 0, difference = 0;
+        for (size_t i = 0; i < a.size(); ++i) {
+          square += std::pow(a[i] - b[i], 2) / static_cast<double>(a.size());
+          difference += (a[i] - b[i]) / static_cast<double>(a.size());
+        }
+        EXPECT_LT(std::sqrt(square), 0.018) << channel << " " << static_cast<int>(kind);
+        EXPECT_LT(std::abs(difference), 2e-3) << channel << " " << static_cast<int>(kind);
+      }
+    }
+  }
+}
+
+TEST(Veils, TheSameForAnyNumberOfThreads) {
+  const Shot shot = crowd();
+  for (const IntegratorKind kind : {IntegratorKind::tc, IntegratorKind::qmc, IntegratorKind::automatic})
+    EXPECT_EQ(picture(shot, kind, 16, ShadingKind::whitted, 1).find("R")->values,
+              picture(shot, kind, 16, ShadingKind::whitted, 2).find("R")->values);
+}
+
+Segment random_segment(std::mt19937& random, uint32_t mesh) {
+  std::uniform_real_distribution<float> unit(0, 1);
+  float begin = unit(random), end = unit(random);
+  if (begin > end) std::swap(begin, end);
+  return {begin, std::max(end, begin + 1e-3f), 1 + unit(random), 1 + unit(random), mesh, mesh, true};
+}
+
+TEST(Veils, CutToWhatNothingHides) {
+  std::mt19937 random(21);
+  for (int round = 0; round < 200; ++round) {
+    std::vector<Segment> veils, opaque, out;
+    for (uint32_t i = 0; i < 6; ++i) veils.push_back(random_segment(random, i));
+    for (uint32_t i = 6; i < 10; ++i) opaque.push_back(random_segment(random, i));
+    VeilScratch scratch;
+    clip_veils(veils, opaque, scratch, out);
+    for (int i = 0; i < 101; ++i) {
+      const float time = (static_cast<float>(i) + 0.37f) / 101;
+      float nearest = INFINITY, margin = INFINITY;
+      const auto is_at = [&](const Segment& s) { return s.begin <= time && time < s.end; };
+      for (const Segment& hit : opaque)
+        if (is_at(hit)) nearest = std::min(nearest, distance_at(hit, time));
+      std::vector<uint32_t> expected, found;
+      for (const Segment& v : veils) {
+        if (!is_at(v)) continue;
+        margin = std::min(margin, std::abs(distance_at(v, time) - nearest));
+        if (distance_at(v, time) < nearest) expected.push_back(v.mesh);
+      }
+      if (margin < 1e-5f) continue;
+      for (const Segment& v : out)
+        if (is_at(v)) found.push_back(v.mesh);
+      std::sort(found.begin(), found.end());
+      ASSERT_EQ(found, expected) << "round " << round << ", time " << time;
+    }
+  }
+}
+
+TEST(Veils, LayersAreInOrderAtEveryInstant) {
+  std::mt19937 random(22);
+  Layers layers;
+  for (int round = 0; round < 200; ++round) {
+    std::vector<Segment> veils;
+    for (uint32_t i = 0; i < 6; ++i) veils.push_back(random_segment(random, i));
+    std::sort(veils.begin(), veils.end(), [](const auto& a, const auto& b) { return a.begin < b.begin; });
+    const std::vector<Segment> seen{{0.2f, 0.5f, 5, 5, 10, 0, true}, {0.5f, 0.7f, 5, 5, 11, 0, true}};
+    layers.build(seen, veils, round % 2 == 0);
+    double sum = 0;
+    for (const Segment& s : layers.stretches()) sum += static_cast<double>(s.end) - static_cast<double>(s.begin);
+    if (round % 2 == 0) {
+      EXPECT_NEAR(sum, 1, 1e-6);
+    }
+    for (int i = 0; i < 101; ++i) {
+      const float time = (static_cast<float>(i) + 0.37f) / 101;
+      std::vector<std::pair<float, uint32_t>> expected;
+      for (const Segment& v : veils)
+        if (v.begin <= time && time < v.end) expected.emplace_back(distance_at(v, time), v.mesh);
+      std::sort(expected.begin(), expected.end());
+      uint32_t back = kNoMesh;
+      for (const Segment& s : seen)
+        if (s.begin <= time && time < s.end) back = s.mesh;
+      bool is_found = false;
+      for (size_t k = 0; k < layers.stretches().size(); ++k) {
+        const Segment& stretch = layers.stretches()[k];
+        if (!(stretch.begin <= time && time < stretch.end)) continue;
+        is_found = true;
+        EXPECT_EQ(stretch.mesh, back);
+        ASSERT_EQ(layers.before(k).size(), expected.size());
+        for (size_t v = 0; v < expected.size(); ++v)
+          EXPECT_EQ(veils[layers.before(k)[v]].mesh, expected[v].second) << "round " << round << ", time " << time;
+      }
+      EXPECT_EQ(is_found, round % 2 == 0 || back != kNoMesh || !expected.empty());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kairos
