@@ -72,6 +72,8 @@ int run(int argc, char** argv) {
   app.add_option("--rounds", rounds);
   app.add_option("--instruction-set", instruction_set);
   app.add_option("--shutter", shutter);
+  bool single = false;
+  app.add_flag("--single", single, "No packets");
   app.add_flag("!--tc-only", discrete_wanted);
   CLI11_PARSE(app, argc, argv);
 
@@ -120,7 +122,14 @@ int run(int argc, char** argv) {
       Tracer::Workspace workspace;
       const auto trace_all = [&] {
         start = Clock::now();
-        for (const Ray& ray : rays) tracer.trace(ray, Visibility::visible, workspace);
+        // Rays of one pixel go together, as an integrator would trace them.
+        const size_t most = std::min(Tracer::kMaxPacket, static_cast<size_t>(single ? 1 : n));
+        for (size_t i = 0; i < rays.size(); i += most)
+          if (most > 1)
+            tracer.trace_packet(std::span(rays).subspan(i, std::min(most, rays.size() - i)), Visibility::visible,
+                                workspace);
+          else
+            tracer.trace(rays[i], Visibility::visible, workspace);
         tc_times.push_back(seconds_since(start) * per_ray);
       };
       const auto intersect_all = [&] {

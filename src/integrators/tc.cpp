@@ -1,4 +1,7 @@
 // Time-continuous rays: exact visibility over the shutter, sampled over the pixel, shaded at instants.
+#include <algorithm>
+#include <array>
+
 #include "integrators/integrator.h"
 #include "integrators/segment_shading.h"
 
@@ -23,14 +26,23 @@ class TcIntegrator : public Integrator {
 
     void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
-      for (uint32_t i = 0; i < context_.sampler.count(); ++i) {
-        if (i % kRaysPerPoll == 0) monitor.poll();
-        const SamplePoint point = context_.sampler.point(pixel, i);
-        const Ray ray = context_.ray(x, y, point);
-        const auto segments = integrator_.tracer_.trace(ray, Visibility::visible, workspace_);
-        shaded_.clear();
-        shading_.shade(ray, segments, workspace_.veils(), pixel.seed, i, point.time, shaded_);
-        sink.add({ShadedRay::Kind::tc, shaded_, static_cast<uint32_t>(segments.size() + workspace_.veils().size())});
+      const uint32_t count = context_.sampler.count();
+      for (uint32_t begin = 0; begin < count; begin += kMostRays) {
+        monitor.poll();
+        const uint32_t size = std::min(kMostRays, count - begin);
+        for (uint32_t i = 0; i < size; ++i) {
+          const SamplePoint point = context_.sampler.point(pixel, begin + i);
+          rays_[i] = context_.ray(x, y, point);
+          times_[i] = point.time;
+        }
+        const auto seen =
+            integrator_.tracer_.trace_packet(std::span(rays_).first(size), Visibility::visible, workspace_);
+        for (uint32_t i = 0; i < size; ++i) {
+          shaded_.clear();
+          shading_.shade(rays_[i], seen[i].segments, seen[i].veils, pixel.seed, begin + i, times_[i], shaded_);
+          sink.add(
+              {ShadedRay::Kind::tc, shaded_, static_cast<uint32_t>(seen[i].segments.size() + seen[i].veils.size())});
+        }
       }
     }
 
@@ -42,9 +54,13 @@ class TcIntegrator : public Integrator {
     }
 
    private:
+    static constexpr uint32_t kMostRays = Tracer::kMaxPacket;
+
     const TcIntegrator& integrator_;
     const PixelContext& context_;
     Tracer::Workspace workspace_;
+    std::array<Ray, kMostRays> rays_;
+    std::array<float, kMostRays> times_{};  // of the sample points
     SegmentShading shading_;
     std::vector<ShadedSegment> shaded_;
   };

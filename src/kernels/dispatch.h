@@ -1,15 +1,21 @@
 // One traversal, compiled for several instruction sets, chosen at run time.
 #pragma once
 
+#include <span>
+
 #include <kairos/tracer.h>
 
 #include "accel/layout.h"
+#include "kernels/packet.h"
 #include "kernels/ray_state.h"
 
 namespace kairos {
 
 /// Puts what a traceable ray meets into state.hits, between state.begin_ray and state.end_ray.
 using CollectHits = void (*)(const Accel& accel, const Ray& ray, RayState& state);
+
+/// The same for the rays of a packet; states: one per ray.
+using CollectPacketHits = void (*)(const Accel& accel, const RayPacket& packet, std::span<RayState> states);
 
 /// Children of a node that a ray meets.
 struct alignas(64) NodeHits {
@@ -32,6 +38,7 @@ struct alignas(64) BlockHits {
 /// traversal has its own copies inlined.
 struct Kernels {
   CollectHits collect_fast, collect_exact;
+  CollectPacketHits collect_packet;  ///< null: rays are to be traced one by one
   void (*test_node)(const Node<kMovingKeys>& node, const Ray& ray, NodeHits& hits);
   void (*test_block)(const TriangleBlock<kMovingKeys>& block, const Ray& ray, BlockHits<float>& hits);
 };

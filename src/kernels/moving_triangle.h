@@ -233,8 +233,10 @@ std::array<Real, 5> split_at_origin(const FramedTriangle<Real>& f, const std::ar
 
 /// All stretches of [0, 1] in which the ray meets the triangle at a positive distance, those seen from the front first,
 /// each side in time order. Not-a-number in the input gives no hit, or hits with times that still are within [0, 1].
+/// `edges`: as edge_functions gives them, or computed otherwise; then f.u and f.v are not looked at.
 template <class Real>
-HitIntervals<Real> intersect_moving_triangle(const FramedTriangle<Real>& f) {
+HitIntervals<Real> intersect_moving_triangle(const FramedTriangle<Real>& f,
+                                             const std::array<Quadratic<Real>, 3>& edges) {
   HitIntervals<Real> out;
   Real nearest = f.dist[0][0], farthest = f.dist[0][0];
   for (size_t key = 0; key < 2; ++key)
@@ -243,7 +245,6 @@ HitIntervals<Real> intersect_moving_triangle(const FramedTriangle<Real>& f) {
       farthest = std::max(farthest, f.dist[key][i]);
     }
   if (!(farthest > 0)) return out;
-  const std::array<Quadratic<Real>, 3> edges = edge_functions(f);
   if (largest_area(edges) == 0) return out;  // edge-on or without area at all times
 
   const auto add = [&](Real begin, Real end, bool front, const std::array<Quadratic<Real>, 3>& e) {
@@ -270,6 +271,11 @@ HitIntervals<Real> intersect_moving_triangle(const FramedTriangle<Real>& f) {
     }
   }
   return out;
+}
+
+template <class Real>
+HitIntervals<Real> intersect_moving_triangle(const FramedTriangle<Real>& f) {
+  return intersect_moving_triangle(f, edge_functions(f));
 }
 
 }  // namespace kairos

@@ -8,12 +8,14 @@
 #endif
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include <hwy/highway.h>
 
 #include "accel/layout.h"
 #include "kernels/dispatch.h"
+#include "kernels/packet.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kairos {
@@ -47,18 +49,61 @@ struct RaySlabs {
       inv[k] = 1 / (d < 0 ? -size : size);
     }
   }
+
+  /// The distance at which a plane at `offset` from the origin is passed.
+  template <class D, class V>
+  HWY_INLINE V First(D d, size_t k, V offset) const {
+    return hn::Mul(offset, hn::Set(d, inv[k]));
+  }
+  template <class D, class V>
+  HWY_INLINE V Last(D d, size_t k, V offset) const {
+    return First(d, k, offset);
+  }
+};
+
+/// Several rays from one origin as the node test wants them: where the first and the last of them pass a plane. As
+/// functions of time these are a concave and a convex one, so that straight lines between both ends of a key span are
+/// bounds of them: what holds for a ray holds for the packet.
+struct PacketSlabs {
+  float origin[3], inv_low[3], inv_high[3];
+  bool negative[3];
+
+  explicit PacketSlabs(const RayPacket& packet) {
+    float largest = 0;
+    for (int k = 0; k < 3; ++k)
+      largest = std::max({largest, std::abs(packet.direction_low[k]), std::abs(packet.direction_high[k])});
+    for (int k = 0; k < 3; ++k) {
+      origin[k] = packet.origin[k];
+      negative[k] = packet.direction_low[k] < 0;
+      const float sign = negative[k] ? -1.0f : 1.0f, least = kLeastDirection * largest;
+      const float a = sign / std::max(std::abs(packet.direction_low[k]), least);
+      const float b = sign / std::max(std::abs(packet.direction_high[k]), least);
+      inv_low[k] = std::min(a, b);
+      inv_high[k] = std::max(a, b);
+    }
+  }
+
+  template <class D, class V>
+  HWY_INLINE V First(D d, size_t k, V offset) const {
+    return hn::Min(hn::Mul(offset, hn::Set(d, inv_low[k])), hn::Mul(offset, hn::Set(d, inv_high[k])));
+  }
+  template <class D, class V>
+  HWY_INLINE V Last(D d, size_t k, V offset) const {
+    return hn::Max(hn::Mul(offset, hn::Set(d, inv_low[k])), hn::Mul(offset, hn::Set(d, inv_high[k])));
+  }
 };
 
 template <class D, class M>
 HWY_INLINE uint32_t MaskBits(D d, M mask) {
   uint8_t bytes[8] = {};
   hn::StoreMaskBits(d, mask, bytes);
-  return bytes[0];
+  return bytes[0] | static_cast<uint32_t>(bytes[1]) << 8;
 }
 
 /// The children's time sets within [begin, end] and lower bounds of their distances, both with errors on the safe side:
 /// no child that is met is left out, no interval is narrower than the truth.
-HWY_INLINE void TestNode(const Node<kMovingKeys>& node, const RaySlabs& ray, float begin, float end, NodeHits& hits) {
+template <class Slabs>
+HWY_INLINE void TestNode(const Node<kMovingKeys>& node, const Slabs& ray, float begin, float end, NodeHits& hits) {
   const hn::CappedTag<float, kWidth> d;
   using V = hn::Vec<decltype(d)>;
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
@@ -68,14 +113,14 @@ HWY_INLINE void TestNode(const Node<kMovingKeys>& node, const RaySlabs& ray, flo
     if (lane >= node.count) break;
     V in0[3], in1[3], out0[3], out1[3];  // entry and exit of each slab at both ends of the key span
     for (size_t k = 0; k < 3; ++k) {
-      const V o = hn::Set(d, ray.origin[k]), inv = hn::Set(d, ray.inv[k]);
+      const V o = hn::Set(d, ray.origin[k]);
       const bool neg = ray.negative[k];
       const auto entry = [&](const float* plane) HWY_ATTR {
-        const V dist = hn::Mul(hn::Sub(hn::Load(d, plane + lane), o), inv);
+        const V dist = ray.First(d, k, hn::Sub(hn::Load(d, plane + lane), o));
         return hn::Sub(dist, hn::Mul(hn::Abs(dist), slab_error));
       };
       const auto exit = [&](const float* plane) HWY_ATTR {
-        const V dist = hn::Mul(hn::Sub(hn::Load(d, plane + lane), o), inv);
+        const V dist = ray.Last(d, k, hn::Sub(hn::Load(d, plane + lane), o));
         return hn::Add(dist, hn::Mul(hn::Abs(dist), slab_error));
       };
       in0[k] = entry(neg ? node.upper[0][k] : node.lower[0][k]);
@@ -157,6 +202,19 @@ HWY_INLINE void TestNode(const Node<kStaticKeys>& node, const RaySlabs& ray, Nod
     hn::Store(in, d, hits.dist + lane);
     hits.mask |= MaskBits(d, met) << lane;
   }
+}
+
+/// Puts the children that were met on the stack, the nearest on top.
+HWY_INLINE StackEntry* PushChildren(const NodeRef (&child)[kWidth], const NodeHits& hits, bool timed, StackEntry* top) {
+  StackEntry* const first = top;
+  for (uint32_t mask = hits.mask; mask != 0; mask &= mask - 1) {
+    const size_t c = static_cast<size_t>(std::countr_zero(mask));
+    const StackEntry entry{child[c], hits.dist[c], timed ? hits.begin[c] : 0, timed ? hits.end[c] : 1};
+    StackEntry* place = top++;
+    for (; place != first && place[-1].dist < entry.dist; --place) *place = place[-1];
+    *place = entry;
+  }
+  return top;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -146,4 +146,27 @@ void add_in_pieces(RayState& state, const FramedTriangle<Real>& f, const std::ar
   state.add(to_segment(hit, mesh, triangle, span_begin, span_end));
 }
 
+/// Takes from a stack entry's time what is hidden; false when nothing remains. visible_until: the farthest that what is
+/// in the entry can be and still be seen.
+inline bool clip_entry(const TimeBins& bins, const Tree<kMovingKeys>& tree, StackEntry& entry, float& visible_until) {
+  // Bins are in shutter time. Rounding may only widen the interval.
+  const bool whole_shutter = tree.time_begin == 0 && tree.time_end == 1;
+  float begin = entry.begin, end = entry.end;
+  if (!whole_shutter) {
+    begin = std::max(tree.time_begin, to_shutter_time(begin, tree.time_begin, tree.time_end) - kTimeSnap);
+    end = std::min(tree.time_end, to_shutter_time(end, tree.time_begin, tree.time_end) + kTimeSnap);
+  }
+  if (!bins.clip(entry.dist, begin, end)) return false;
+  if (whole_shutter) {
+    entry.begin = begin;
+    entry.end = end;
+  } else {
+    const float inv_span = 1 / (tree.time_end - tree.time_begin);
+    entry.begin = std::max(entry.begin, (begin - tree.time_begin) * inv_span - kTimeSnap);
+    entry.end = std::min(entry.end, (end - tree.time_begin) * inv_span + kTimeSnap);
+  }
+  if ((entry.node & kLeafBit) != 0) visible_until = bins.visible_until(begin, end);
+  return true;
+}
+
 }  // namespace kairos

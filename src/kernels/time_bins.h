@@ -59,6 +59,13 @@ class TimeBins {
     }
   }
 
+  /// For what is hidden from several rays at once: the farthest of each bin. Runs are no part of it.
+  void set_to_farthest(const TimeBins& other) { hidden_behind_ = other.hidden_behind_; }
+  void widen_to(const TimeBins& other) {
+    for (size_t bin = 0; bin < kCount; ++bin)
+      hidden_behind_[bin] = std::max(hidden_behind_[bin], other.hidden_behind_[bin]);
+  }
+
   /// Everything behind `dist` is hidden at all times.
   void cover_all(float dist) {
     for (int bin = 0; bin < kCount; ++bin) close(bin, dist);
@@ -111,7 +118,7 @@ class TimeBins {
     *slot = grown;
   }
 
-  std::array<float, kCount> hidden_behind_;
+  alignas(64) std::array<float, kCount> hidden_behind_;
   std::array<std::array<Run, 2>, kCount> runs_;
 };
 

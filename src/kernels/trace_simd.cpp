@@ -17,23 +17,11 @@
 
 #include "kernels/block_test-inl.h"
 #include "kernels/node_test-inl.h"
+#include "kernels/packet_collector-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kairos {
 namespace HWY_NAMESPACE {
-
-/// Puts the children that were met on the stack, the nearest on top.
-HWY_INLINE StackEntry* PushChildren(const NodeRef (&child)[kWidth], const NodeHits& hits, bool timed, StackEntry* top) {
-  StackEntry* const first = top;
-  for (uint32_t mask = hits.mask; mask != 0; mask &= mask - 1) {
-    const size_t c = static_cast<size_t>(std::countr_zero(mask));
-    const StackEntry entry{child[c], hits.dist[c], timed ? hits.begin[c] : 0, timed ? hits.end[c] : 1};
-    StackEntry* place = top++;
-    for (; place != first && place[-1].dist < entry.dist; --place) *place = place[-1];
-    *place = entry;
-  }
-  return top;
-}
 
 template <class T>
 class Collector {
@@ -42,8 +30,11 @@ class Collector {
       : accel_(accel), frame_(ray), slabs_(ray), state_(state) {}
 
   void Run() {
-    if (accel_.still.root != kNoNode) CollectStill(accel_.still);
+    RunStill();
     for (const auto& tree : accel_.moving) CollectMoving(tree);
+  }
+  void RunStill() {
+    if (accel_.still.root != kNoNode) CollectStill(accel_.still);
   }
 
  private:
@@ -93,29 +84,10 @@ class Collector {
     *top++ = {tree.root, 0, 0, 1};
     NodeHits node_hits;
     BlockHits<T> block_hits;
-    const bool whole_shutter = tree.time_begin == 0 && tree.time_end == 1;
-    const float span = tree.time_end - tree.time_begin;
-    const float inv_span = 1 / span;
     while (top != state_.stack.data()) {
       StackEntry entry = *--top;
       float visible_until = std::numeric_limits<float>::infinity();
-      if (state_.culls()) {
-        // Bins are in shutter time. Rounding may only widen the interval.
-        float begin = entry.begin, end = entry.end;
-        if (!whole_shutter) {
-          begin = std::max(tree.time_begin, to_shutter_time(begin, tree.time_begin, tree.time_end) - kTimeSnap);
-          end = std::min(tree.time_end, to_shutter_time(end, tree.time_begin, tree.time_end) + kTimeSnap);
-        }
-        if (!state_.bins.clip(entry.dist, begin, end)) continue;
-        if (whole_shutter) {
-          entry.begin = begin;
-          entry.end = end;
-        } else {
-          entry.begin = std::max(entry.begin, (begin - tree.time_begin) * inv_span - kTimeSnap);
-          entry.end = std::min(entry.end, (end - tree.time_begin) * inv_span + kTimeSnap);
-        }
-        if ((entry.node & kLeafBit) != 0) visible_until = state_.bins.visible_until(begin, end);
-      }
+      if (state_.culls() && !clip_entry(state_.bins, tree, entry, visible_until)) continue;
       if ((entry.node & kLeafBit) == 0) {
         const auto& node = tree.nodes[entry.node];
         ++state_.counters.nodes;
@@ -176,6 +148,11 @@ class Collector {
 
 void CollectFast(const Accel& accel, const Ray& ray, RayState& state) { Collector<float>(accel, ray, state).Run(); }
 void CollectExact(const Accel& accel, const Ray& ray, RayState& state) { Collector<double>(accel, ray, state).Run(); }
+void CollectPacket(const Accel& accel, const RayPacket& packet, std::span<RayState> states) {
+  for (size_t i = 0; i < states.size(); ++i) Collector<float>(accel, packet.rays[i], states[i]).RunStill();
+  PacketCollector collector(packet, states);
+  for (const auto& tree : accel.moving) collector.Collect(tree);
+}
 void TestOneNode(const Node<kMovingKeys>& node, const Ray& ray, NodeHits& hits) {
   TestNode(node, RaySlabs(ray), 0, 1, hits);
 }
@@ -183,7 +160,7 @@ void TestOneBlock(const TriangleBlock<kMovingKeys>& block, const Ray& ray, Block
   TestBlock(block, RayFrame<float>(ray), std::numeric_limits<float>::infinity(), hits);
 }
 
-constexpr Kernels kKernels{CollectFast, CollectExact, TestOneNode, TestOneBlock};
+constexpr Kernels kKernels{CollectFast, CollectExact, CollectPacket, TestOneNode, TestOneBlock};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace kairos
@@ -193,7 +170,7 @@ HWY_AFTER_NAMESPACE();
 namespace kairos {
 
 const Kernels* find_kernels(InstructionSet set) {
-  static constexpr Kernels kScalarKernels{collect_hits_scalar, collect_hits_scalar, nullptr, nullptr};
+  static constexpr Kernels kScalarKernels{collect_hits_scalar, collect_hits_scalar, nullptr, nullptr, nullptr};
   const int64_t here = hwy::SupportedTargets();
   switch (set) {
     case InstructionSet::scalar:

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include <kairos/error.h>
 #include <kairos/tracer.h>
@@ -25,17 +26,25 @@ struct Tracer::Impl {
   uint32_t depth = 0;
   InstructionSet instruction_set = InstructionSet::scalar;
   CollectHits collect = nullptr;
+  CollectPacketHits collect_packet = nullptr;
   std::shared_ptr<const CutOuts> cut_outs;
 };
 
-struct Tracer::Workspace::State : RayState {};
+struct Tracer::Workspace::State {
+  std::array<RayState, kMaxPacket> rays;
+  std::array<SeenByRay, kMaxPacket> results;
+};
 
 Tracer::Workspace::Workspace() : state_(std::make_unique<State>()) {}
 Tracer::Workspace::~Workspace() = default;
 Tracer::Workspace::Workspace(Workspace&&) noexcept = default;
 Tracer::Workspace& Tracer::Workspace::operator=(Workspace&&) noexcept = default;
-const TraceCounters& Tracer::Workspace::counters() const { return state_->counters; }
-std::span<const Segment> Tracer::Workspace::veils() const { return state_->veils; }
+TraceCounters Tracer::Workspace::counters() const {
+  TraceCounters sum;
+  for (const RayState& ray : state_->rays) sum += ray.counters;
+  return sum;
+}
+std::span<const Segment> Tracer::Workspace::veils() const { return state_->rays[0].veils; }
 
 Tracer::Tracer(std::span<const Mesh> meshes, const TracerOptions& options) : impl_(std::make_unique<Impl>()) {
   for (const Mesh& mesh : meshes) validate_mesh(mesh);
@@ -45,6 +54,7 @@ Tracer::Tracer(std::span<const Mesh> meshes, const TracerOptions& options) : imp
     throw Error(ErrorCode::bad_usage, "instruction set",
                 std::string(to_string(impl_->instruction_set)) + " is not available on this machine");
   impl_->collect = options.precision == Precision::fast ? kernels->collect_fast : kernels->collect_exact;
+  if (options.precision == Precision::fast) impl_->collect_packet = kernels->collect_packet;
   impl_->cut_outs = options.cut_outs;
   impl_->accel = build_accel(meshes);
   impl_->depth = impl_->accel.depth();
@@ -54,11 +64,37 @@ Tracer::Tracer(Tracer&&) noexcept = default;
 Tracer& Tracer::operator=(Tracer&&) noexcept = default;
 
 std::span<const Segment> Tracer::trace(const Ray& ray, Visibility visibility, Workspace& workspace) const {
-  RayState& state = *workspace.state_;
+  RayState& state = workspace.state_->rays[0];
   state.begin_ray(visibility, impl_->depth, ray, impl_->cut_outs.get());
   if (is_traceable(ray)) impl_->collect(impl_->accel, ray, state);
   state.end_ray();
   return state.segments;
+}
+
+std::span<const SeenByRay> Tracer::trace_packet(std::span<const Ray> rays, Visibility visibility,
+                                                Workspace& workspace) const {
+  if (rays.size() > kMaxPacket)
+    throw Error(ErrorCode::bad_usage, "Tracer::trace_packet", "more than 16 rays; divide them into several packets");
+  auto& [states, results] = *workspace.state_;
+  const auto used = std::span(states).first(rays.size());
+  bool traceable = true;
+  for (size_t i = 0; i < rays.size(); ++i) {
+    states[i].begin_ray(visibility, impl_->depth, rays[i], impl_->cut_outs.get());
+    traceable = traceable && is_traceable(rays[i]);
+  }
+  std::optional<RayPacket> packet;
+  if (rays.size() > 1 && traceable && impl_->collect_packet != nullptr) packet = make_packet(rays);
+  if (packet) {
+    impl_->collect_packet(impl_->accel, *packet, used);
+  } else {
+    for (size_t i = 0; i < rays.size(); ++i)
+      if (is_traceable(rays[i])) impl_->collect(impl_->accel, rays[i], states[i]);
+  }
+  for (size_t i = 0; i < rays.size(); ++i) {
+    states[i].end_ray();
+    results[i] = {states[i].segments, states[i].veils};
+  }
+  return std::span(results).first(rays.size());
 }
 
 SegmentBatch Tracer::trace(std::span<const Ray> rays, Visibility visibility, TraceCounters* counters) const {
@@ -72,7 +108,7 @@ SegmentBatch Tracer::trace(std::span<const Ray> rays, Visibility visibility, Tra
   parallel_for(chunks.size(), 1, [&](size_t begin, size_t end) {
     Workspace workspace;
     for (size_t c = begin; c < end; ++c) {
-      workspace.state_->counters = {};
+      workspace.state_->rays[0].counters = {};
       for (const Ray& ray : rays.subspan(c * kChunk, std::min(kChunk, rays.size() - c * kChunk))) {
         const auto segments = trace(ray, visibility, workspace);
         chunks[c].counts.push_back(segments.size());

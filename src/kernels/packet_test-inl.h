@@ -1,0 +1,204 @@
+// A packet of rays against the eight triangles of a block. Compiled once per instruction set; see trace_simd.cpp.
+//
+// An edge function is a triple product of the ray's direction and two vertices. The vertices' cross products, which are
+// the same for all rays from one origin, are computed for the block's triangles side by side; with them an edge
+// function of one ray costs two products. Exchanging an edge's vertices negates every term bit for bit: shared edges
+// stay watertight. docs/method.md, "Packets".
+
+#if defined(KAIROS_PACKET_TEST_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KAIROS_PACKET_TEST_INL_H
+#undef KAIROS_PACKET_TEST_INL_H
+#else
+#define KAIROS_PACKET_TEST_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include "accel/layout.h"
+#include "kernels/packet.h"
+#include "kernels/solve-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kairos {
+namespace HWY_NAMESPACE {
+
+/// A bound of the rounding errors of an edge function's terms, as a share of their magnitudes.
+inline constexpr float kTermError = 16 * 0x1p-24f;
+
+/// What all rays of a packet have in common of a block's triangles. An edge function's Bernstein coefficient is
+/// at - lean_u along_u - lean_v along_v.
+struct alignas(64) PacketTriangles {
+  struct Term {
+    float at[kWidth], along_u[kWidth], along_v[kWidth];  ///< [triangle]
+  };
+  Term term[3][3];            ///< [edge][coefficient]
+  float depth[2][3][kWidth];  ///< [key][vertex][triangle]
+  float nearest[kWidth];      ///< depth of the nearest vertex
+  uint32_t candidates = 0;    ///< triangles that any ray may meet
+  uint32_t behind = 0;        ///< those with a vertex behind the origin
+};
+
+/// `nearest_hidden`: triangles with no vertex nearer than this (in units of the rays' length) are of no interest, nor
+/// are those that no ray meets in [begin, end].
+HWY_INLINE void PrepareTriangles(const TriangleBlock<kMovingKeys>& block, const RayPacket& packet, float begin,
+                                 float end, float nearest_hidden, PacketTriangles& out) {
+  const hn::CappedTag<float, kWidth> d;
+  using V = hn::Vec<decltype(d)>;
+  const V zero = hn::Zero(d), half = hn::Set(d, 0.5f);
+  const V ou = hn::Set(d, packet.origin[packet.ku]), ov = hn::Set(d, packet.origin[packet.kv]);
+  const V ow = hn::Set(d, packet.origin[packet.kw]);
+  const V su = hn::Set(d, packet.shear_u), sv = hn::Set(d, packet.shear_v), ahead = hn::Set(d, packet.ahead);
+  const V wide_u = hn::Set(d, packet.widest_u), wide_v = hn::Set(d, packet.widest_v);
+  const V error = hn::Set(d, kTermError);
+  const V most_depth = hn::Set(d, nearest_hidden / packet.least_dist_per_depth);
+  // Weights of the Bernstein coefficients on [0, 1] in those on [begin, end].
+  const float rest_begin = 1 - begin, rest_end = 1 - end;
+  const V part[3][3] = {
+      {hn::Set(d, rest_begin * rest_begin), hn::Set(d, 2 * begin * rest_begin), hn::Set(d, begin * begin)},
+      {hn::Set(d, rest_begin * rest_end), hn::Set(d, begin * rest_end + end * rest_begin), hn::Set(d, begin * end)},
+      {hn::Set(d, rest_end * rest_end), hn::Set(d, 2 * end * rest_end), hn::Set(d, end * end)}};
+  out.candidates = out.behind = 0;
+  for (size_t lane = 0; lane < kWidth; lane += hn::Lanes(d)) {
+    if (lane >= block.count) break;
+    V u[2][3], v[2][3], depth[2][3];
+    V nearest{}, farthest{};
+    for (size_t key = 0; key < 2; ++key)
+      for (size_t i = 0; i < 3; ++i) {
+        const auto& position = block.position[key][i];
+        const V w = hn::Sub(hn::Load(d, position[packet.kw] + lane), ow);
+        u[key][i] = hn::Sub(hn::Sub(hn::Load(d, position[packet.ku] + lane), ou), hn::Mul(su, w));
+        v[key][i] = hn::Sub(hn::Sub(hn::Load(d, position[packet.kv] + lane), ov), hn::Mul(sv, w));
+        depth[key][i] = hn::Mul(w, ahead);
+        hn::Store(depth[key][i], d, out.depth[key][i] + lane);
+        nearest = key == 0 && i == 0 ? depth[0][0] : hn::Min(nearest, depth[key][i]);
+        farthest = key == 0 && i == 0 ? depth[0][0] : hn::Max(farthest, depth[key][i]);
+      }
+    hn::Store(nearest, d, out.nearest + lane);
+    auto alive = hn::And(hn::FirstN(d, block.count - lane), hn::Gt(farthest, zero));
+    alive = hn::And(alive, hn::Le(nearest, most_depth));
+
+    auto front = alive, back = alive;
+    for (size_t edge = 0; edge < 3; ++edge) {
+      const size_t i = (edge + 1) % 3, j = (edge + 2) % 3;
+      V at[3], along_u[3], along_v[3];
+      for (size_t c = 0; c < 3; ++c) {
+        const auto cross = [&](const V(&a)[2][3], const V(&b)[2][3]) HWY_ATTR {
+          const auto at_keys = [&](size_t key_i, size_t key_j) HWY_ATTR {
+            return hn::Sub(hn::Mul(a[key_i][i], b[key_j][j]), hn::Mul(b[key_i][i], a[key_j][j]));
+          };
+          return c == 1 ? hn::Mul(half, hn::Add(at_keys(0, 1), at_keys(1, 0))) : at_keys(c / 2, c / 2);
+        };
+        at[c] = cross(v, u);
+        along_u[c] = cross(v, depth);
+        along_v[c] = cross(depth, u);
+        hn::Store(at[c], d, out.term[edge][c].at + lane);
+        hn::Store(along_u[c], d, out.term[edge][c].along_u + lane);
+        hn::Store(along_v[c], d, out.term[edge][c].along_v + lane);
+      }
+      // Bounds over all rays, within the leaf's time. A Bernstein form stays between its coefficients.
+      const V size = hn::Max(hn::Max(hn::Abs(at[0]), hn::Abs(at[1])), hn::Abs(at[2]));
+      V highest{}, lowest{};
+      for (size_t c = 0; c < 3; ++c) {
+        const auto within = [&](const V(&b)[3]) HWY_ATTR {
+          return hn::Add(hn::Add(hn::Mul(part[c][0], b[0]), hn::Mul(part[c][1], b[1])), hn::Mul(part[c][2], b[2]));
+        };
+        const V middle = within(at);
+        const V spread = hn::Add(hn::Mul(wide_u, hn::Abs(within(along_u))), hn::Mul(wide_v, hn::Abs(within(along_v))));
+        const V high = hn::Add(middle, spread), low = hn::Sub(middle, spread);
+        highest = c == 0 ? high : hn::Max(highest, high);
+        lowest = c == 0 ? low : hn::Min(lowest, low);
+      }
+      const V slack = hn::Mul(error, hn::Add(size, hn::Max(hn::Abs(highest), hn::Abs(lowest))));
+      highest = hn::Add(highest, slack);
+      lowest = hn::Sub(lowest, slack);
+      front = hn::And(front, hn::Ge(highest, zero));
+      back = hn::And(back, hn::Le(lowest, zero));
+    }
+    alive = hn::Or(front, back);
+    out.candidates |= MaskBits(d, alive) << lane;
+    out.behind |= MaskBits(d, hn::And(alive, hn::Le(nearest, zero))) << lane;
+  }
+}
+
+/// Pairs of a ray and a triangle that meet. With 16 rays a register: lane i is ray i, `triangle` is the triangle. With
+/// four: lane i is ray i / 4 and triangle `triangle` + i % 4.
+struct alignas(64) PacketHits {
+  float begin[kPacketLanes], end[kPacketLanes];
+  float dist_begin[kPacketLanes], dist_end[kPacketLanes];
+  uint32_t hit, front, bent, rare, solved;  ///< as in BlockHits
+};
+
+/// visible_until: per lane; a triangle all of which is farther is of no interest.
+template <size_t kRays>
+HWY_INLINE void TestPacket(const PacketTriangles& triangles, size_t triangle, const RayPacket& packet,
+                           const float* visible_until, PacketHits& hits) {
+  using D = hn::CappedTag<float, kPacketLanes>;
+  const D d;
+  using V = hn::Vec<D>;
+  const auto value = [&](const float* of_triangles) HWY_ATTR {
+    if constexpr (kRays == kPacketLanes)
+      return hn::Set(d, of_triangles[triangle]);
+    else
+      return hn::LoadDup128(d, of_triangles + triangle);
+  };
+  // Lanes of triangles that are no candidates are not looked at.
+  constexpr uint32_t kAllLanes = (1u << kPacketLanes) - 1;
+  uint32_t wanted = kAllLanes, behind = 0;
+  if constexpr (kRays == kPacketLanes) {
+    behind = (triangles.behind >> triangle & 1) != 0 ? kAllLanes : 0;
+  } else {
+    wanted = (triangles.candidates >> triangle & 0xf) * 0x1111u;
+    behind = (triangles.behind >> triangle & 0xf) * 0x1111u;
+  }
+  hits.hit = hits.front = hits.bent = hits.rare = hits.solved = 0;
+  const size_t lanes_used = packet.rays.size() * (kPacketLanes / kRays);
+  wanted &= (1u << lanes_used) - 1;
+  for (size_t lane = 0; lane < lanes_used; lane += hn::Lanes(d)) {
+    const V dist_per_depth = hn::Load(d, packet.dist_per_depth + lane);
+    const auto mask = [&](uint32_t bits) HWY_ATTR {
+      const uint8_t bytes[8] = {static_cast<uint8_t>(bits >> lane), static_cast<uint8_t>(bits >> lane >> 8)};
+      return hn::LoadMaskBits(d, bytes);
+    };
+    const auto alive = hn::And(
+        mask(wanted), hn::Le(hn::Mul(dist_per_depth, value(triangles.nearest)), hn::Load(d, visible_until + lane)));
+    if (hn::AllFalse(d, alive)) continue;
+    const V lean_u = hn::Load(d, packet.lean_u + lane), lean_v = hn::Load(d, packet.lean_v + lane);
+    QuadraticLanes<D> e[3];
+    for (size_t edge = 0; edge < 3; ++edge) {
+      const auto coefficient = [&](const PacketTriangles::Term& term) HWY_ATTR {
+        return hn::Sub(hn::Sub(value(term.at), hn::Mul(lean_u, value(term.along_u))),
+                       hn::Mul(lean_v, value(term.along_v)));
+      };
+      e[edge].b0 = coefficient(triangles.term[edge][0]);
+      e[edge].b1 = coefficient(triangles.term[edge][1]);
+      e[edge].b2 = coefficient(triangles.term[edge][2]);
+    }
+    V key0[3], key1[3];
+    for (size_t i = 0; i < 3; ++i) {
+      key0[i] = hn::Mul(dist_per_depth, value(triangles.depth[0][i]));
+      key1[i] = hn::Mul(dist_per_depth, value(triangles.depth[1][i]));
+    }
+    SolveLanes(d, DistLanes<D>{key0, key1}, e, alive, mask(behind), lane, hits);
+  }
+}
+
+/// Edge functions and distances of one ray and triangle of a packet, the same bits as TestPacket's.
+HWY_INLINE void UnpackTriangle(const PacketTriangles& triangles, size_t triangle, const RayPacket& packet, size_t lane,
+                               std::array<Quadratic<float>, 3>& edges, FramedTriangle<float>& framed) {
+  const auto coefficient = [&](const PacketTriangles::Term& term) {
+    return (term.at[triangle] - packet.lean_u[lane] * term.along_u[triangle]) -
+           packet.lean_v[lane] * term.along_v[triangle];
+  };
+  for (size_t edge = 0; edge < 3; ++edge)
+    edges[edge] = {coefficient(triangles.term[edge][0]), coefficient(triangles.term[edge][1]),
+                   coefficient(triangles.term[edge][2])};
+  for (size_t key = 0; key < 2; ++key)
+    for (size_t i = 0; i < 3; ++i)
+      framed.dist[key][i] = packet.dist_per_depth[lane] * triangles.depth[key][i][triangle];
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace kairos
+HWY_AFTER_NAMESPACE();
+
+#endif
