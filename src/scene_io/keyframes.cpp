@@ -54,9 +54,28 @@ Vec3d mix(Vec3d a, Vec3d b, double weight) { return a + (b - a) * weight; }
 
 }  // namespace
 
+Mat4 TransformKeys::at(double time) const {
+  if (matrices.empty()) return {};
+  const KeySpan span = find_key_span(times, time);
+  Mat4 matrix = matrices[span.a];
+  for (size_t c = 0; c < 4; ++c)
+    for (size_t r = 0; r < 4; ++r) matrix.m[c][r] = mix(matrix.m[c][r], matrices[span.b].m[c][r], span.weight);
+  return matrix;
+}
+
+bool TransformKeys::rests(double open, double close) const {
+  return kairos::rests(times, open, close, [&](size_t a, size_t b) { return matrices[a] == matrices[b]; });
+}
+
+bool TransformKeys::always_rests() const {
+  return std::all_of(matrices.begin(), matrices.end(), [&](const Mat4& key) { return key == matrices.front(); });
+}
+
+bool TransformKeys::mirrors() const { return !matrices.empty() && determinant3(matrices.front()) < 0; }
+
 KeyframeMotion::KeyframeMotion(VertexKeys vertices, TransformKeys transform)
     : vertices_(std::move(vertices)), transform_(std::move(transform)) {
-  mirrors_ = !transform_.matrices.empty() && determinant3(transform_.matrices.front()) < 0;
+  mirrors_ = transform_.mirrors();
 }
 
 bool KeyframeMotion::is_static(double open, double close) const {
@@ -65,14 +84,11 @@ bool KeyframeMotion::is_static(double open, double close) const {
                  return same_bits(vertices_.positions[a], vertices_.positions[b]) &&
                         (vertices_.normals.empty() || same_bits(vertices_.normals[a], vertices_.normals[b]));
                }) &&
-         rests(transform_.times, open, close,
-               [&](size_t a, size_t b) { return transform_.matrices[a] == transform_.matrices[b]; });
+         transform_.rests(open, close);
 }
 
 bool KeyframeMotion::is_linear_between_kinks() const {
-  const auto& m = transform_.matrices;
-  const bool transform_rests = std::all_of(m.begin(), m.end(), [&](const Mat4& key) { return key == m.front(); });
-  return transform_rests || all_same(vertices_.positions);
+  return transform_.always_rests() || all_same(vertices_.positions);
 }
 
 std::vector<double> KeyframeMotion::kinks(double open, double close) const {
@@ -84,30 +100,20 @@ std::vector<double> KeyframeMotion::kinks(double open, double close) const {
   return times;
 }
 
-Mat4 KeyframeMotion::transform_at(double time) const {
-  if (transform_.matrices.empty()) return {};
-  const KeySpan span = find_key_span(transform_.times, time);
-  Mat4 matrix = transform_.matrices[span.a];
-  for (size_t c = 0; c < 4; ++c)
-    for (size_t r = 0; r < 4; ++r)
-      matrix.m[c][r] = mix(matrix.m[c][r], transform_.matrices[span.b].m[c][r], span.weight);
-  return matrix;
-}
-
 void KeyframeMotion::positions(double time, Side, std::span<Vec3d> out) const {
   const KeySpan span = find_key_span(vertices_.times, time);
   const auto &a = vertices_.positions[span.a], &b = vertices_.positions[span.b];
   for (size_t v = 0; v < out.size(); ++v)
     out[v] = span.a == span.b ? to_double(a[v]) : mix(to_double(a[v]), to_double(b[v]), span.weight);
   if (transform_.matrices.empty()) return;
-  const Mat4 matrix = transform_at(time);
+  const Mat4 matrix = transform_.at(time);
   for (Vec3d& p : out) p = transform_point(matrix, p);
 }
 
 void KeyframeMotion::normals(double time, Side, std::span<Vec3f> out) const {
   const KeySpan span = find_key_span(vertices_.times, time);
   const auto &a = vertices_.normals[span.a], &b = vertices_.normals[span.b];
-  const Mat4 matrix = normal_matrix(transform_at(time));
+  const Mat4 matrix = normal_matrix(transform_.at(time));
   const double sign = mirrors_ ? -1 : 1;
   const bool plain = span.a == span.b && transform_.matrices.empty();  // unit already: keep the file's bits
   for (size_t v = 0; v < out.size(); ++v)

@@ -16,6 +16,11 @@ struct VertexKeys {
 struct TransformKeys {
   std::vector<double> times;   ///< [key] scene time, strictly ascending
   std::vector<Mat4> matrices;  ///< [key] world from mesh, affine; none: the identity
+
+  Mat4 at(double time) const;
+  bool rests(double open, double close) const;
+  bool always_rests() const;
+  bool mirrors() const;  ///< at its first key
 };
 
 /// Vertices move linearly between their keys, in the mesh's own space; each entry of the matrix that places the mesh
@@ -38,8 +43,6 @@ class KeyframeMotion final : public VertexMotion {
   bool mirrors() const { return mirrors_; }
 
  private:
-  Mat4 transform_at(double time) const;
-
   VertexKeys vertices_;
   TransformKeys transform_;
   bool mirrors_ = false;

@@ -12,6 +12,7 @@
 #include "scene_io/json_node.h"
 #include "scene_io/keyframes.h"
 #include "scene_io/native_parts.h"
+#include "scene_io/placed_motion.h"
 #include "scene_io/text_numbers.h"
 
 namespace kairos {
@@ -76,11 +77,42 @@ class NativeReader {
     if (!include) return;
     bool first = true;
     for (const JsonNode& node : include->items()) {
-      const std::string path = resolve_inside(folder_, node.string(), node.place());
-      Scene other = load_file(path, context_);
+      Scene other = node.is_object() ? read_placed(node) : load_file(path_of(node), context_);
       if (std::exchange(first, false)) scene_.fps = other.fps;
       append_scene(scene_, std::move(other));
     }
+  }
+
+  std::string path_of(const JsonNode& node) const { return resolve_inside(folder_, node.string(), node.place()); }
+
+  /// A file with an animation of its own choice, or at another place.
+  Scene read_placed(const JsonNode& node) {
+    node.expect_fields({"file", "animation", "transform"});
+    const std::string path = path_of(node.at("file"));
+    const LoadOptions usual = context_.options;
+    const auto animation = node.find("animation");
+    if (animation) context_.options.animation = animation->string();
+    Scene scene;
+    try {
+      scene = load_file(path, context_);
+    } catch (const Error& error) {  // it is not the caller who named an animation that is not there
+      if (!animation || error.code() != ErrorCode::bad_usage) throw;
+      animation->fail(error.what());
+    }
+    context_.options = usual;
+    const auto given = node.find("transform");
+    if (!given) return scene;
+    // Lights and cameras of a file describe it by itself; where its meshes go as a part of something else, they stay.
+    scene.cameras.clear();
+    scene.lights.clear();
+    const TransformKeys transform = read_transform(*given);
+    for (SceneMesh& mesh : scene.meshes) {
+      if (transform.mirrors())
+        for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+      mesh.motion = std::make_shared<PlacedMotion>(mesh.motion, transform);
+    }
+    has_keys_ = has_keys_ || transform.matrices.size() > 1;
+    return scene;
   }
 
   SceneMesh read_mesh(const JsonNode& node) {
@@ -89,7 +121,7 @@ class NativeReader {
     if (keys.empty()) node.at("keys").fail("a mesh needs at least one key");
     std::vector<std::string> paths;
     for (const JsonNode& key : keys) {
-      paths.push_back(resolve_inside(folder_, key.string(), key.place()));
+      paths.push_back(path_of(key));
       if (!is_mesh_file(paths.back())) key.fail("a key must be an OBJ or PLY file; use 'include' for others");
     }
 
