@@ -8,10 +8,12 @@ The same options give the same bytes. Needs Python's standard library only.
 
 import argparse
 import importlib
+import os
 import pathlib
 import sys
 
-SCENES = ["foliage"]
+SCENES = ["foliage", "blades", "wires", "hall", "still", "fan", "glass", "kitchen"]
+NEEDS = {"hall": "mannequiny", "fan": "vintage-fan", "kitchen": "bitterli-kitchen"}  # of the folder of third parties' scenes
 
 
 def main():
@@ -21,6 +23,8 @@ def main():
     parser.add_argument("-o", "--output", type=pathlib.Path, required=True, metavar="DIR")
     parser.add_argument("--scale", type=float, default=1.0, help="how many things there are, relative to usual (%(default)s)")
     parser.add_argument("--spans", type=int, default=1, help="key spans of what deforms (%(default)s)")
+    parser.add_argument("--scenes", type=pathlib.Path, default=pathlib.Path(os.environ.get("KAIROS_SCENES", "../shared/scenes")),
+                        metavar="FOLDER", help="third parties' scenes; $KAIROS_SCENES or %(default)s")
     options = parser.parse_args()
     unknown = [name for name in options.names if name not in SCENES and name != "all"]
     if unknown:
@@ -30,6 +34,12 @@ def main():
     if not 1 <= options.spans <= 64:
         parser.error("--spans: 1 to 64")
     for name in SCENES if "all" in options.names else options.names:
+        if name in NEEDS and not (options.scenes / NEEDS[name]).is_dir():
+            absent = f"{name}: left out; it needs {options.scenes / NEEDS[name]}, see --scenes"
+            if name in options.names:
+                sys.exit(absent)
+            print(absent)
+            continue
         folder = options.output / name
         folder.mkdir(parents=True, exist_ok=True)
         scene = importlib.import_module(f"scenes.{name}").make(folder, options)
