@@ -47,6 +47,40 @@ void expect_red(const Scene& scene) {
   EXPECT_FALSE(shot.textures[2].base_color);
 }
 
+TEST(LoadTextures, OfTheEnvironment) {
+  const TempFolder folder;
+  Image image{2, 1, 0, 0, 2, 1, {}, {}};
+  for (const char* channel : {"R", "G", "B"}) image.channels.push_back({channel, Channel::Storage::colour, {3, 4}});
+  write_image(image, folder.path("sky.exr"));
+  folder.write("scene.json", R"({"kairos": 1, "lights": [{"type": "constant", "radiance": [1, 1, 1]},
+      {"type": "environment", "texture": "sky.exr"}, {"type": "environment", "texture": "none.exr"}]})");
+  const auto scene = load_scene({folder.path("scene.json")});
+  const Shot shot = make_shot(*scene);
+  ASSERT_EQ(shot.light_textures.size(), 3u);
+  EXPECT_FALSE(shot.light_textures[0]);
+  ASSERT_TRUE(shot.light_textures[1]);
+  EXPECT_EQ(shot.light_textures[1]->at({0.75f, 0.5f}, 1).colour, (Vec3f{4, 4, 4}));
+  EXPECT_FALSE(shot.light_textures[2]);
+  EXPECT_THAT(shot.notes, testing::Contains(HasSubstr("environment picture left out: " + folder.path("none.exr"))));
+  ShotOptions options;
+  options.textures = false;
+  EXPECT_TRUE(make_shot(*scene, options).light_textures.empty());
+  options = {};
+  options.strict = true;
+  expect_error([&] { make_shot(*scene, options); }, {"none.exr"}, ErrorCode::io);
+}
+
+TEST(LoadTextures, EqualAreasNeedASquare) {
+  const TempFolder folder;
+  Image image{2, 1, 0, 0, 2, 1, {}, {}};
+  for (const char* channel : {"R", "G", "B"}) image.channels.push_back({channel, Channel::Storage::colour, {3, 4}});
+  write_image(image, folder.path("sky.exr"));
+  folder.write("scene.pbrt", "WorldBegin LightSource \"infinite\" \"string filename\" \"sky.exr\"");
+  const Shot shot = make_shot(*load_scene({folder.path("scene.pbrt")}));
+  EXPECT_FALSE(shot.light_textures.at(0));
+  EXPECT_THAT(shot.notes, testing::Contains(HasSubstr("is not square")));
+}
+
 TEST(LoadTextures, InsideAGlb) {
   const TempFolder folder;
   GltfBuilder gltf;

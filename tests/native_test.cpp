@@ -75,7 +75,8 @@ TEST_F(Native, ReadsAllOfItsFields) {
       "metallic": 0.5, "roughness": 0.25, "transmission": 0.75, "ior": 1.25, "alpha_cutoff": 0.125}},
     "lights": [{"type": "point", "position": [1,2,3], "intensity": [4,5,6]},
                {"type": "directional", "direction": [0,-2,0], "irradiance": [1,1,1]},
-               {"type": "constant", "radiance": [0.5,0.5,0.5]}],
+               {"type": "constant", "radiance": [0.5,0.5,0.5]},
+               {"type": "environment", "texture": "sky.exr", "intensity": 3, "rotation_degrees": 90}],
     "background": [0.125, 0.25, 0.5]})");
   ASSERT_EQ(scene.meshes.size(), 2u);
   EXPECT_EQ(scene.meshes[0].name, "hand");
@@ -102,10 +103,16 @@ TEST_F(Native, ReadsAllOfItsFields) {
   EXPECT_EQ(scene.shutter, (std::array<double, 2>{0.25, 0.75}));
   EXPECT_EQ(scene.image_size, (std::array<int, 2>{96, 54}));
   EXPECT_EQ(scene.background, (Vec3f{0.125, 0.25, 0.5}));
-  ASSERT_EQ(scene.lights.size(), 3u);
+  ASSERT_EQ(scene.lights.size(), 4u);
   EXPECT_EQ(std::get<PointLight>(scene.lights[0]).intensity, (Vec3f{4, 5, 6}));
   EXPECT_EQ(std::get<DirectionalLight>(scene.lights[1]).direction, (Vec3f{0, -1, 0}));
   EXPECT_EQ(std::get<ConstantLight>(scene.lights[2]).radiance, (Vec3f{0.5, 0.5, 0.5}));
+  const auto& sky = std::get<EnvironmentLight>(scene.lights[3]);
+  EXPECT_EQ(sky.texture, folder_.path("sky.exr"));
+  EXPECT_EQ(sky.radiance, (Vec3f{3, 3, 3}));
+  EXPECT_EQ(sky.mapping, EnvironmentLight::Mapping::latitude_longitude);
+  EXPECT_NEAR(sky.axes[0].z, -1, 1e-9) << "what was right is in front";
+  EXPECT_NEAR(sky.axes[2].x, 1, 1e-9);
   EXPECT_THAT(scene.warnings, IsEmpty());
 }
 
@@ -191,6 +198,9 @@ TEST_F(Native, SchemaIsStrict) {
   refuse_fields(R"("lights": [{"type": "point", "position": [0,0,0]}])", {"'intensity' is missing"});
   refuse_fields(R"("lights": [{"type": "directional", "direction": [0,0,0], "irradiance": [1,1,1]}])",
                 {"direction cannot be zero"});
+  refuse_fields(R"("lights": [{"type": "environment"}])", {"'texture' is missing"});
+  refuse_fields(R"("lights": [{"type": "environment", "texture": "../sky.exr"}])", {"lights[0].texture", "sky.exr"});
+  refuse_fields(R"("lights": [{"type": "environment", "texture": "sky.exr", "intensity": -1}])", {"intensity", "-1"});
   refuse_fields(R"("lights": [1])", {"scene.json: lights[0]: expected an object"});
   refuse_fields(R"("shutter": [1, 1])", {"scene.json: shutter: the shutter must open before it closes"});
   refuse_fields(R"("shutter": [1])", {"scene.json: shutter: expected 2 values, found 1"});

@@ -220,11 +220,46 @@ TEST_F(PbrtSurface, Lights) {
   EXPECT_EQ(std::get<DirectionalLight>(scene.lights[1]).irradiance, (Vec3f{10, 10, 10}));
   EXPECT_EQ(std::get<ConstantLight>(scene.lights[2]).radiance, (Vec3f{0.5, 0.25, 1}));
   EXPECT_EQ(scene.background, (Vec3f{0.5, 0.25, 1}));
-  EXPECT_EQ(std::get<PointLight>(scene.lights[3]).position, (Vec3f{1, 2, 3}));
+  const auto& spot = std::get<SpotLight>(scene.lights[3]);
+  EXPECT_EQ(spot.position, (Vec3f{1, 2, 3}));
+  EXPECT_EQ(spot.direction, (Vec3f{0, 0, 1}));
+  EXPECT_NEAR(spot.cos_inner, std::cos(25 * M_PI / 180), 1e-6);
+  EXPECT_NEAR(spot.cos_outer, std::cos(30 * M_PI / 180), 1e-6);
   EXPECT_EQ(std::get<ConstantLight>(scene.lights[4]).radiance, (Vec3f{3, 3, 3}));
-  EXPECT_THAT(scene.warnings,
-              ElementsAre(HasSubstr("'spot' shine in all directions"), HasSubstr("picture of an infinite light"),
-                          HasSubstr("'strange' are left out")));
+  EXPECT_THAT(scene.warnings, ElementsAre(HasSubstr("'sky.exr' is not there"), HasSubstr("'strange' are left out")));
+}
+
+TEST_F(PbrtSurface, EnvironmentsHaveTheAxesOfTheirTransform) {
+  folder_.write("sky.exr", "");
+  using Mapping = EnvironmentLight::Mapping;
+  const auto light = [&](const std::string& before, const std::string& parameters, bool mirrored = false) {
+    const std::string world =
+        "AttributeBegin " + before + "\nLightSource \"infinite\" " + parameters + "\nAttributeEnd\n";
+    const Scene scene = mirrored ? load("Camera \"perspective\"\nWorldBegin\n" + world) : load_world(world);
+    EXPECT_THAT(scene.warnings, SizeIs(0));
+    EXPECT_EQ(scene.background, Vec3f{});
+    return std::get<EnvironmentLight>(scene.lights.at(0));
+  };
+  const auto expect_axes = [](const EnvironmentLight& seen, Vec3d x, Vec3d y, Vec3d z) {
+    expect_near(seen.axes[0], x, 1e-9);
+    expect_near(seen.axes[1], y, 1e-9);
+    expect_near(seen.axes[2], z, 1e-9);
+  };
+  // v3: the middle of the picture, our -z, lies at its -x; its right, our +x, at its -y; the upper edge at its +z.
+  const std::string v3 = "\"string mapname\" \"sky.exr\" \"rgb L\" [1 2 3] \"rgb scale\" [2 2 2]";
+  const EnvironmentLight plain = light("", v3);
+  EXPECT_EQ(plain.mapping, Mapping::latitude_longitude);
+  EXPECT_EQ(plain.texture, folder_.path("sky.exr"));
+  EXPECT_EQ(plain.radiance, (Vec3f{2, 4, 6}));
+  expect_axes(plain, {0, -1, 0}, {0, 0, 1}, {1, 0, 0});
+  expect_axes(light("Rotate 90 0 0 1", v3), {1, 0, 0}, {0, 0, 1}, {0, 1, 0});
+  expect_axes(light("Scale 2 2 -2", v3), {0, -1, 0}, {0, 0, -1}, {1, 0, 0});
+  expect_axes(light("", v3, true), {0, -1, 0}, {0, 0, 1}, {-1, 0, 0});
+  const std::string v4 = "\"string filename\" \"sky.exr\" \"float scale\" 0.5";
+  const EnvironmentLight square = light("Rotate -90 1 0 0", v4);
+  EXPECT_EQ(square.mapping, Mapping::equal_area);
+  EXPECT_EQ(square.radiance, (Vec3f{0.5f, 0.5f, 0.5f}));
+  expect_axes(square, {1, 0, 0}, {0, 0, -1}, {0, 1, 0});
 }
 
 TEST_F(PbrtSurface, BlackBodiesHaveTheColourOfTheirTemperature) {

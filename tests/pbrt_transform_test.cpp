@@ -90,13 +90,16 @@ TEST_F(PbrtTransform, MirrorsAndReverseOrientationTurnTriangles) {
 TEST_F(PbrtTransform, LeftHandedWorldsAreMirroredWhole) {
   const std::string world =
       "WorldBegin LightSource \"point\" \"point from\" [4 5 6] "
-      "LightSource \"distant\" \"point to\" [1 0 0]\n" +
+      "LightSource \"distant\" \"point to\" [1 0 0] "
+      "LightSource \"spot\" \"point from\" [1 0 0] \"point to\" [3 0 0]\n" +
       std::string(kTriangle);
   for (const std::string camera : {"", "Camera \"perspective\" "}) {
     const Scene scene = load(camera + world);
     EXPECT_EQ(positions(scene.meshes[0])[0], (Vec3d{-1, 2, 3}));
     EXPECT_EQ(std::get<PointLight>(scene.lights.at(0)).position, (Vec3f{-4, 5, 6}));
     EXPECT_EQ(std::get<DirectionalLight>(scene.lights.at(1)).direction, (Vec3f{-1, 0, 0}));
+    EXPECT_EQ(std::get<SpotLight>(scene.lights.at(2)).position, (Vec3f{-1, 0, 0}));
+    EXPECT_EQ(std::get<SpotLight>(scene.lights.at(2)).direction, (Vec3f{-1, 0, 0}));
     EXPECT_GT(geometric_normal(scene.meshes[0]).z, 0) << "the mirror must not turn it round";
   }
 }

@@ -49,8 +49,20 @@ struct DirectionalLight {
 struct ConstantLight {
   Vec3f radiance;
 };
+/// A picture of all that is far away. Without one that can be read it is even.
+struct EnvironmentLight {
+  enum class Mapping {
+    latitude_longitude,  ///< twice as wide as high: -z in the middle, +x to the right of it, +y at the upper edge
+    equal_area,          ///< square: the octahedron of P. Clarberg 2008, as pbrt-v4 has it: +z in the middle, +x to the
+                         ///< right of it, +y below; -z in the corners
+  };
+  std::string texture;      ///< a path, or the name of one of Scene's embedded pictures
+  Vec3f radiance{1, 1, 1};  ///< what the picture is multiplied by
+  Mapping mapping = Mapping::latitude_longitude;
+  std::array<Vec3d, 3> axes{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};  ///< of the picture; orthonormal
+};
 /// In world space; those of a scene do not move. Linear Rec. 709.
-using Light = std::variant<PointLight, SpotLight, DirectionalLight, ConstantLight>;
+using Light = std::variant<PointLight, SpotLight, DirectionalLight, ConstantLight, EnvironmentLight>;
 
 /// Picks what a scene file offers several of.
 struct LoadOptions {
@@ -87,7 +99,7 @@ struct ShotOptions {
   std::optional<double> frame, fps;  ///< shutter times below are (frame + open) / fps when any of these is given
   std::optional<std::array<double, 2>> shutter;  ///< open, close, in frames
   int width = 0, height = 0;                     ///< 0: the scene's own, else 960x540
-  bool textures = true;           ///< read all of the materials' pictures; otherwise only those that cut out surfaces
+  bool textures = true;           ///< read all pictures; otherwise only those that say where surfaces are missing
   double motion_tolerance = 0.1;  ///< pixels: how far linear motion between keys may leave a vertex's true path
   bool strict = false;            ///< a bad triangle or picture is an error, not a note
 };
@@ -107,6 +119,7 @@ struct Shot {
   std::vector<Material> materials;
   std::vector<MaterialTextures> textures;  ///< [material], or empty where there are none
   std::vector<Light> lights;
+  std::vector<std::shared_ptr<const Texture>> light_textures;  ///< [light], or empty; null for lights without one
   Vec3f background;
   Projection projection;
   double shutter_open = 0, shutter_close = 1;  ///< scene time

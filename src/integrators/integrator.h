@@ -42,6 +42,14 @@ class Integrator {
   virtual std::unique_ptr<Worker> make_worker() const = 0;
 };
 
+/// Hands over a discrete ray that leaves the scene.
+inline void add_sky(const Shader& shader, const Ray& ray, float time, RaySink& sink) {
+  if (!shader.has_sky()) return sink.add({ShadedRay::Kind::discrete, {}, 0});
+  ShadedSegment seen{time, time, INFINITY, INFINITY, shader.sky(ray, time), {}, {}, kNoMesh, 0};
+  seen.coverage = 0;
+  sink.add({ShadedRay::Kind::discrete, {&seen, 1}, 0});
+}
+
 /// A slow pixel must not keep one waiting: poll the monitor once per this many rays.
 inline constexpr uint32_t kRaysPerPoll = 64;
 

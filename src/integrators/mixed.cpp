@@ -78,7 +78,7 @@ class MixedIntegrator : public Integrator {
     void render_discrete(int x, int y, const Sampler::Pixel& pixel, DiscreteLayer layer, RaySink& sink,
                          Monitor& monitor) {
       const auto use = [&](const Ray& ray, float time, const auto& hit, SampleKey key) {
-        if (!hit) return sink.add({ShadedRay::Kind::discrete, {}, 0});
+        if (!hit) return add_sky(context_.shader, ray, time, sink);
         const ShadedSegment seen = shade_hit(ray, time, *hit, key);
         sink.add({ShadedRay::Kind::discrete, {&seen, 1}, 1});
       };
@@ -118,8 +118,10 @@ class MixedIntegrator : public Integrator {
       Look all, own;
       uint32_t index = 0;
       const auto use = [&](const Ray& ray, float time, const auto& hit, SampleKey key) {
-        Look look{integrator_.shot_.background, {}, {}, 0};
-        if (hit) {
+        Look look{{}, {}, {}, 0};
+        if (!hit) {
+          look.colour = context_.shader.sky(ray, still_time(time));
+        } else {
           const ShadedSegment seen = shade_hit(ray, still_time(time), *hit, key);
           look = {seen.colour, seen.normal, seen.albedo, 1};
         }

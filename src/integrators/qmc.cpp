@@ -45,7 +45,7 @@ class QmcIntegrator : public Integrator {
 
    private:
     void add(const Ray& ray, float time, const std::optional<DiscreteHit>& hit, SampleKey key, RaySink& sink) {
-      if (!hit) return sink.add({ShadedRay::Kind::discrete, {}, 0});
+      if (!hit) return add_sky(context_.shader, ray, time, sink);
       ++hit_count_;
       const Shade shade = context_.shader.shade(ray, hit->mesh, hit->triangle, time, key);
       const ShadedSegment seen{time,         time,         hit->dist, hit->dist,    shade.colour,

@@ -81,4 +81,21 @@ std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_on
   return result;
 }
 
+std::vector<std::shared_ptr<const Texture>> load_light_textures(const Scene& scene, bool strict,
+                                                                std::vector<std::string>& notes) {
+  std::vector<std::shared_ptr<const Texture>> result(scene.lights.size());
+  for (size_t i = 0; i < scene.lights.size(); ++i) {
+    const auto* light = std::get_if<EnvironmentLight>(&scene.lights[i]);
+    if (light == nullptr || light->texture.empty()) continue;
+    Slot slot = read(scene, {light->texture, Texture::Encoding::srgb});
+    if (slot.texture && light->mapping == EnvironmentLight::Mapping::equal_area &&
+        slot.texture->width() != slot.texture->height())
+      slot = {nullptr, light->texture + ": is not square, as pictures of an equal-area environment are"};
+    if (!slot.texture && strict) throw Error(slot.code, "", slot.failure);
+    if (!slot.texture) notes.push_back("environment picture left out: " + slot.failure);
+    result[i] = std::move(slot.texture);
+  }
+  return result;
+}
+
 }  // namespace kairos

@@ -14,4 +14,8 @@ namespace kairos {
 std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_only, bool strict,
                                             std::vector<std::string>& notes);
 
+/// [light]; null for those without a picture that can be read. Notes and errors as above.
+std::vector<std::shared_ptr<const Texture>> load_light_textures(const Scene& scene, bool strict,
+                                                                std::vector<std::string>& notes);
+
 }  // namespace kairos

@@ -177,6 +177,7 @@ Shot make_shot(const Scene& scene, const ShotOptions& options) {
   shot.warnings = scene.warnings;
   if (!found) shot.notes.push_back("no camera in the scene: using one that frames it");
   shot.textures = load_textures(scene, !options.textures, options.strict, shot.notes);
+  if (options.textures) shot.light_textures = load_light_textures(scene, options.strict, shot.notes);
   for (std::string& note : shot_notes(shot.meshes, reports)) shot.notes.push_back(std::move(note));
   return shot;
 }

@@ -36,7 +36,7 @@ class NativeReader {
     read_camera_and_image();
     read_materials();
     if (const auto lights = root_.find("lights"))
-      for (const JsonNode& light : lights->items()) scene_.lights.push_back(read_light(light));
+      for (const JsonNode& light : lights->items()) scene_.lights.push_back(read_light(light, folder_));
     read_includes();
     if (const auto background = root_.find("background")) scene_.background = background->color();
     if (const auto meshes = root_.find("meshes"))

@@ -66,7 +66,25 @@ Material read_material(const std::string& name, const JsonNode& node, const std:
   return material;
 }
 
-Light read_light(const JsonNode& node) {
+/// The picture turns counter-clockwise, seen from above.
+EnvironmentLight read_environment(const JsonNode& node, const std::string& folder) {
+  node.expect_fields({"type", "texture", "intensity", "rotation_degrees"});
+  EnvironmentLight light;
+  const JsonNode texture = node.at("texture");
+  light.texture = resolve_inside(folder, texture.string(), texture.place());
+  constexpr double kBrightest = 1e30;  // far above any light, far below float's overflow
+  if (const auto intensity = node.find("intensity"))
+    light.radiance = light.radiance * static_cast<float>(intensity->number(0, kBrightest));
+  if (const auto rotation = node.find("rotation_degrees")) {
+    constexpr double kMostDegrees = 1e6;
+    const double angle = rotation->number(-kMostDegrees, kMostDegrees) * std::numbers::pi / 180;
+    light.axes = {Vec3d{std::cos(angle), 0, -std::sin(angle)}, Vec3d{0, 1, 0},
+                  Vec3d{std::sin(angle), 0, std::cos(angle)}};
+  }
+  return light;
+}
+
+Light read_light(const JsonNode& node, const std::string& folder) {
   if (!node.is_object()) node.fail("expected an object");
   const std::string type = node.at("type").string();
   if (type == "point") {
@@ -93,7 +111,9 @@ Light read_light(const JsonNode& node) {
     node.expect_fields({"type", "radiance"});
     return ConstantLight{node.at("radiance").color()};
   }
-  node.at("type").fail("unknown light '" + printable(type) + "'; expected point, spot, directional or constant");
+  if (type == "environment") return read_environment(node, folder);
+  node.at("type").fail("unknown light '" + printable(type) +
+                       "'; expected point, spot, directional, constant or environment");
 }
 
 std::vector<double> read_key_times(const std::vector<JsonNode>& keys) {

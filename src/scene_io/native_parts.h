@@ -12,7 +12,7 @@ namespace kairos {
 
 /// `folder` is the scene file's: textures lie in it.
 Material read_material(const std::string& name, const JsonNode& node, const std::string& folder);
-Light read_light(const JsonNode& node);
+Light read_light(const JsonNode& node, const std::string& folder);
 SceneCamera read_camera(const JsonNode& node);
 /// One {matrix} or a list of {time, matrix}.
 TransformKeys read_transform(const JsonNode& node);

@@ -109,7 +109,7 @@ void Builder::light(const std::string& kind, const Parameters& parameters) {
   const auto source = read_light(kind, parameters, transform.pair(), textures.spectrum());
   if (!source) return;
   scene_.lights.push_back(source->light);
-  if (source->seen) scene_.background = scene_.background + std::get<ConstantLight>(source->light).radiance;
+  scene_.background = scene_.background + source->background;
 }
 
 std::shared_ptr<const Geometry> Builder::read_geometry(const std::string& kind, const Parameters& parameters) {
@@ -220,10 +220,7 @@ Scene Builder::finish() {
   TransformPath outside;
   if (mirror) {
     outside = TransformPath(AnimatedTransform(scaling({-1, 1, 1})));
-    for (Light& light : scene_.lights) {
-      if (auto* point = std::get_if<PointLight>(&light)) point->position.x *= -1;
-      if (auto* directional = std::get_if<DirectionalLight>(&light)) directional->direction.x *= -1;
-    }
+    for (Light& light : scene_.lights) mirror_in_x(light);
   }
   constexpr std::array<int, 2> kDefaultSize{1280, 720};  // pbrt's
   if (camera_) {

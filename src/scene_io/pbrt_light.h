@@ -13,8 +13,11 @@ namespace kairos::pbrt {
 
 struct LightSource {
   Light light;
-  bool seen = false;  ///< directly, as the background
+  Vec3f background;  ///< what of it is seen directly
 };
+
+/// What a mirror across the plane x = 0 makes of a light.
+void mirror_in_x(Light& light);
 
 /// Reads a LightSource statement. Nothing, with a warning, for a kind that is not known; a warning where a light's
 /// shape or picture is lost.

@@ -34,6 +34,7 @@ struct Arrival {
     return ArrivingLight{direction, std::numeric_limits<double>::infinity(), light.irradiance};
   }
   std::optional<ArrivingLight> operator()(const ConstantLight&) const { return std::nullopt; }
+  std::optional<ArrivingLight> operator()(const EnvironmentLight&) const { return std::nullopt; }
 };
 
 float brightness(Vec3f c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }  // Rec. 709
@@ -42,15 +43,21 @@ double area_of(const std::array<Vec3d, 3>& v) { return length(cross(v[1] - v[0],
 
 }  // namespace
 
-Lights::Lights(const Shot& shot, const Looks& looks) : shot_(shot), looks_(looks), background_(shot.background) {
-  for (const Light& light : shot.lights) {
-    if (const auto* constant = std::get_if<ConstantLight>(&light))
+Lights::Lights(const Shot& shot, const Looks& looks, const Sky& sky)
+    : shot_(shot), looks_(looks), sky_(sky), background_(shot.background) {
+  for (size_t i = 0; i < shot.lights.size(); ++i) {
+    const Light& light = shot.lights[i];
+    if (const auto* constant = std::get_if<ConstantLight>(&light)) {
       environment_ += constant->radiance;
-    else
+    } else if (const auto* picture = std::get_if<EnvironmentLight>(&light)) {
+      const bool is_there = i < shot.light_textures.size() && shot.light_textures[i];
+      if (!is_there) environment_ += picture->radiance;
+    } else {
       punctual_.push_back(light);
+    }
   }
   add_areas();
-  if (!punctual_.empty() || has_areas() || has_environment()) return;
+  if (!punctual_.empty() || has_areas() || has_environment() || !sky_.empty()) return;
   environment_ = Vec3f{1, 1, 1} * kDefaultAmbient;
   std::array<Vec3d, 3> axes = Place{}.axes;
   if (shot.world_from_camera) axes = shot.world_from_camera(0);

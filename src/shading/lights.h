@@ -10,6 +10,7 @@
 #include <kairos/scene.h>
 
 #include "shading/looks.h"
+#include "shading/sky.h"
 
 namespace kairos {
 
@@ -18,6 +19,7 @@ struct Place {
   std::array<Vec3d, 3> axes{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};  ///< of the shot's space, in the world
   Vec3d origin;
 
+  Vec3d vector_to_world(Vec3d v) const { return axes[0] * v.x + axes[1] * v.y + axes[2] * v.z; }
   Vec3d vector_from_world(Vec3d v) const { return {dot(axes[0], v), dot(axes[1], v), dot(axes[2], v)}; }
   Vec3d point_from_world(Vec3d p) const { return vector_from_world(p - origin); }
 };
@@ -29,14 +31,14 @@ struct ArrivingLight {
   Vec3f irradiance;  ///< on a surface that faces it
 };
 
-/// Reads the shot and the looks, which must outlive it. Safe to use from many threads at once.
+/// Reads the shot, the looks and the sky, which must outlive it. Safe to use from many threads at once.
 class Lights {
  public:
   /// Light in a scene without any: see docs/command-line.md.
   static constexpr float kDefaultAmbient = 0.4f;     ///< radiance of the environment
   static constexpr float kDefaultIrradiance = 2.2f;  ///< of a light from behind the camera's left shoulder
 
-  Lights(const Shot& shot, const Looks& looks);
+  Lights(const Shot& shot, const Looks& looks, const Sky& sky);
 
   /// Point, spot and directional lights.
   size_t punctual_count() const { return punctual_.size(); }
@@ -52,8 +54,14 @@ class Lights {
   /// The same from everywhere.
   bool has_environment() const { return environment_ != Vec3f{}; }
   Vec3f environment() const { return environment_; }
-  /// What a reflected or refracted ray sees that leaves the scene: the environment, or else the background.
-  Vec3f beyond() const { return has_environment() ? environment_ : background_; }
+  /// From pictures.
+  const Sky& sky() const { return sky_; }
+  /// What a reflected or refracted ray sees that leaves the scene: the environment, or else the background. direction:
+  /// unit, in the world; width: of its cone, in radians.
+  Vec3f beyond(Vec3d direction, double width) const {
+    const Vec3f even = has_environment() || !sky_.empty() ? environment_ : background_;
+    return sky_.empty() ? even : even + sky_.radiance(direction, width);
+  }
 
  private:
   struct AreaTriangle {
@@ -67,6 +75,7 @@ class Lights {
 
   const Shot& shot_;
   const Looks& looks_;
+  const Sky& sky_;
   std::vector<Light> punctual_;
   std::vector<AreaTriangle> areas_;
   Vec3f environment_, background_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <kairos/scene.h>
@@ -61,6 +62,12 @@ inline Reflectance reflectance(const Material& material, const Look& look, doubl
   return r;
 }
 
+/// Two unit vectors across a unit one and each other: T. Duff and others 2017.
+inline std::array<Vec3d, 2> axes_across(Vec3d n) {
+  const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
+  return {Vec3d{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, Vec3d{b, sign + n.y * n.y * a, -n.y}};
+}
+
 /// GGX highlight (B. Walter and others 2007; height-correlated shadowing, E. Heitz 2014), without its reflectance, per
 /// steradian. All vectors unit; cosines with the normal positive.
 inline double highlight_lobe(Vec3d normal, Vec3d to_viewer, Vec3d to_light, double alpha) {
@@ -70,6 +77,31 @@ inline double highlight_lobe(Vec3d normal, Vec3d to_viewer, Vec3d to_light, doub
   const double spread = a2 / (3.14159265358979323846 * slope * slope);
   const double shadowing = n_l * std::sqrt(n_v * n_v * (1 - a2) + a2) + n_v * std::sqrt(n_l * n_l * (1 - a2) + a2);
   return shadowing > 0 ? spread / (2 * shadowing) : 0;
+}
+
+/// A direction in which the highlight shows light, by the normals that the viewer sees (E. Heitz 2018). u, v: uniform
+/// in [0, 1). May lie below the surface.
+inline Vec3d lobe_direction(Vec3d normal, Vec3d to_viewer, double alpha, float u, float v) {
+  const auto [x, y] = axes_across(normal);
+  const Vec3d view =
+      normalize(Vec3d{alpha * dot(x, to_viewer), alpha * dot(y, to_viewer), std::max(dot(normal, to_viewer), 1e-9)});
+  const double across = std::sqrt(view.x * view.x + view.y * view.y);
+  const Vec3d a = across > 0 ? Vec3d{-view.y / across, view.x / across, 0} : Vec3d{1, 0, 0}, b = cross(view, a);
+  const double radius = std::sqrt(static_cast<double>(u)), turn = 2 * 3.14159265358979323846 * static_cast<double>(v);
+  const double p = radius * std::cos(turn), bend = (1 + view.z) / 2;
+  const double q = (1 - bend) * std::sqrt(std::max(0.0, 1 - p * p)) + bend * radius * std::sin(turn);
+  const Vec3d m = a * p + b * q + view * std::sqrt(std::max(0.0, 1 - p * p - q * q));
+  const Vec3d half = normalize(x * (alpha * m.x) + y * (alpha * m.y) + normal * std::max(m.z, 0.0));
+  return half * (2 * dot(half, to_viewer)) - to_viewer;
+}
+
+/// Of lobe_direction, per steradian. to_light on the side of the normal.
+inline double lobe_density(Vec3d normal, Vec3d to_viewer, Vec3d to_light, double alpha) {
+  const Vec3d half = normalize(to_viewer + to_light);
+  const double n_h = std::max(0.0, dot(normal, half)), n_v = std::max(dot(normal, to_viewer), 1e-9), a2 = alpha * alpha;
+  const double slope = n_h * n_h * (a2 - 1) + 1;
+  const double spread = a2 / (3.14159265358979323846 * slope * slope);
+  return spread / (2 * (n_v + std::sqrt(n_v * n_v * (1 - a2) + a2)));
 }
 
 }  // namespace kairos

@@ -11,6 +11,7 @@ Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_dep
                std::shared_ptr<const DiscreteScene> discrete)
     : shot_(shot),
       looks_(std::make_unique<const Looks>(shot)),
+      sky_(std::make_unique<const Sky>(shot)),
       cone_(shot.projection),
       kind_(kind),
       want_normal_(want_normal || kind == ShadingKind::normal) {
@@ -18,7 +19,7 @@ Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_dep
   if (!cut_outs_->any()) cut_outs_.reset();
   if (kind == ShadingKind::whitted) {
     if (!discrete) discrete = std::make_shared<const DiscreteScene>(shot.meshes, DiscreteOptions{true, cut_outs_});
-    whitted_ = std::make_unique<const Whitted>(shot, *looks_, std::move(discrete), cone_.spread(), max_depth);
+    whitted_ = std::make_unique<const Whitted>(shot, *looks_, *sky_, std::move(discrete), cone_.spread(), max_depth);
   }
   for (uint32_t m = 0; m < shot.meshes.size(); ++m) {
     const Mesh& mesh = shot.meshes[m];
@@ -39,8 +40,15 @@ Vec3f Shader::normal(const Ray& ray, uint32_t mesh_index, uint32_t triangle, flo
     if (own != Vec3f{}) return own;
   }
   const Vec3d n = geometric_normal(vertices);
-  const auto axes = world_from_camera_ ? *world_from_camera_ : shot_.world_from_camera(static_cast<double>(time));
+  const std::array<Vec3d, 3> axes = axes_at(time);
   return to_float(normalize(axes[0] * n.x + axes[1] * n.y + axes[2] * n.z));
+}
+
+Vec3f Shader::sky(const Ray& ray, float time) const {
+  if (!has_sky()) return shot_.background;
+  const std::array<Vec3d, 3> axes = axes_at(time);
+  const Vec3d along = normalize(to_double(ray.direction));
+  return shot_.background + sky_->radiance(axes[0] * along.x + axes[1] * along.y + axes[2] * along.z, cone_.spread());
 }
 
 Look Shader::look(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, double& width) const {

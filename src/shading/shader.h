@@ -41,20 +41,26 @@ class Shader {
     return cut_outs_ ? cut_outs_->opacity(ray, mesh, triangle, time) : 1;
   }
 
-  /// What a ray sees that leaves the scene.
-  Vec3f sky(const Ray& /*ray*/, float /*time*/) const { return shot_.background; }
-  bool has_sky() const { return false; }     ///< is it another colour than the shot's background anywhere?
-  bool sky_varies() const { return false; }  ///< may it look different at other instants?
+  /// What a camera ray sees that leaves the scene: the shot's background and, unless normals are shown, pictures of the
+  /// environment.
+  Vec3f sky(const Ray& ray, float time) const;
+  bool has_sky() const { return kind_ != ShadingKind::normal && !sky_->empty(); }  ///< are there pictures?
+  bool sky_varies() const { return has_sky() && shot_.camera_moves; }  ///< may it look different at other instants?
 
   /// Where surfaces are missing or veils: for everything that traces rays through the shot. Null for nowhere.
   const std::shared_ptr<const AlphaCutOuts>& cut_outs() const { return cut_outs_; }
 
  private:
+  /// Columns: the shot's axes in the world.
+  std::array<Vec3d, 3> axes_at(float time) const {
+    return world_from_camera_ ? *world_from_camera_ : shot_.world_from_camera(static_cast<double>(time));
+  }
   Vec3f normal(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;
   Look look(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, double& width) const;
 
   const Shot& shot_;
   std::unique_ptr<const Looks> looks_;  // which whitted_ points to
+  std::unique_ptr<const Sky> sky_;
   PixelCone cone_;
   std::shared_ptr<const AlphaCutOuts> cut_outs_;
   std::unique_ptr<const Whitted> whitted_;  // where it is wanted

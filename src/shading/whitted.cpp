@@ -22,7 +22,7 @@ constexpr float kLeastWeight = 1.0f / 512;
 // How many panes of glass a shadow ray goes through.
 constexpr int kMostPanes = 32;
 // Branches of a sample's key.
-constexpr uint64_t kAreaBranch = 11, kEnvironmentBranch = 12, kMirrorBranch = 13, kThroughBranch = 14;
+constexpr uint64_t kAreaBranch = 11, kEnvironmentBranch = 12, kMirrorBranch = 13, kThroughBranch = 14, kSkyBranch = 15;
 
 float largest(Vec3f c) { return std::max({c.x, c.y, c.z}); }
 double largest_coordinate(Vec3d p) { return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); }
@@ -39,10 +39,7 @@ Vec3d refracted(Vec3d direction, Vec3d normal, double eta) {
 /// Distributed as the cosine over the hemisphere around `normal`.
 Vec3d cosine_direction(Vec3d normal, float u, float v) {
   const double radius = std::sqrt(static_cast<double>(u)), angle = 2 * kPi * static_cast<double>(v);
-  // Two axes across the normal: T. Duff and others 2017.
-  const double sign = std::copysign(1.0, normal.z), a = -1 / (sign + normal.z), b = normal.x * normal.y * a;
-  const Vec3d x{1 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x};
-  const Vec3d y{b, sign + normal.y * normal.y * a, -normal.y};
+  const auto [x, y] = axes_across(normal);
   return normalize(x * (radius * std::cos(angle)) + y * (radius * std::sin(angle)) +
                    normal * std::sqrt(std::max(0.0, 1 - static_cast<double>(u))));
 }
@@ -70,11 +67,11 @@ struct Whitted::Point {
   }
 };
 
-Whitted::Whitted(const Shot& shot, const Looks& looks, std::shared_ptr<const DiscreteScene> scene, double cone_spread,
-                 int max_depth)
+Whitted::Whitted(const Shot& shot, const Looks& looks, const Sky& sky, std::shared_ptr<const DiscreteScene> scene,
+                 double cone_spread, int max_depth)
     : shot_(shot),
       looks_(looks),
-      lights_(shot, looks),
+      lights_(shot, looks, sky),
       scene_(std::move(scene)),
       cone_spread_(cone_spread),
       max_depth_(max_depth) {}
@@ -141,7 +138,7 @@ Vec3f Whitted::shade(const Ray& ray, const Point& point, const Instant& instant,
 Vec3f Whitted::from(const Ray& ray, double width, const Instant& instant, SampleKey key, int depth,
                     float weight) const {
   const auto hit = scene_->intersect(ray, instant.time);
-  if (!hit) return lights_.beyond();
+  if (!hit) return lights_.beyond(instant.place.vector_to_world(normalize(to_double(ray.direction))), cone_spread_);
   const double there = width + cone_spread_ * static_cast<double>(hit->dist);
   return shade(ray, point_at(ray, hit->mesh, hit->triangle, there, instant), instant, key, depth, weight);
 }
@@ -170,7 +167,42 @@ Vec3f Whitted::direct(const Point& point, const Instant& instant, SampleKey key)
       colour += (shares.diffuse + shares.highlight) * lights_.environment() * open;
     }
   }
+  if (!lights_.sky().empty()) colour += from_sky(point, instant, key);
   return colour;
+}
+
+/// One direction, chosen by one of three ways that each suit some surfaces and skies, and weighed by the mean of their
+/// densities: the balance heuristic of E. Veach and L. Guibas 1995.
+Vec3f Whitted::from_sky(const Point& point, const Instant& instant, SampleKey key) const {
+  const Sky& sky = lights_.sky();
+  const Reflectance& shares = point.shares;
+  std::array<float, 3> sample = light_point(key.branch(kSkyBranch));
+  constexpr float kBySky = 0.5f;
+  const float even = largest(shares.diffuse), by_cosine = (1 - kBySky) * even / (even + largest(shares.highlight));
+  Vec3d direction;
+  if (sample[2] < kBySky) {
+    sample[2] /= kBySky;
+    const auto chosen = sky.sample(sample);
+    if (!chosen) return {};  // all black
+    direction = instant.place.vector_from_world(*chosen);
+  } else if (sample[2] < kBySky + by_cosine) {
+    direction = cosine_direction(point.normal, sample[0], sample[1]);
+  } else {
+    direction = lobe_direction(point.normal, point.to_viewer, shares.alpha, sample[0], sample[1]);
+  }
+  const double cosine = dot(point.normal, direction);
+  if (!(cosine > 0) || !(dot(point.face, direction) > 0)) return {};
+  const Vec3d in_world = instant.place.vector_to_world(direction);
+  const double density = static_cast<double>(kBySky) * sky.density(in_world) +
+                         static_cast<double>(by_cosine) * cosine / kPi +
+                         static_cast<double>(1 - kBySky - by_cosine) *
+                             lobe_density(point.normal, point.to_viewer, direction, shares.alpha);
+  if (!(density > 0)) return {};
+  const Vec3f open = transmittance(point, direction, std::numeric_limits<double>::infinity(), instant);
+  if (open == Vec3f{}) return {};
+  const double lobe = highlight_lobe(point.normal, point.to_viewer, direction, shares.alpha);
+  return (shares.diffuse * static_cast<float>(1 / kPi) + shares.highlight * static_cast<float>(lobe)) *
+         (sky.radiance(in_world) * open * static_cast<float>(cosine / density));
 }
 
 Vec3f Whitted::transmittance(const Point& point, Vec3d direction, double dist, const Instant& instant) const {

@@ -12,11 +12,11 @@
 
 namespace kairos {
 
-/// Reads the shot and the looks, which must outlive it. Safe to use from many threads at once.
+/// Reads the shot, the looks and the sky, which must outlive it. Safe to use from many threads at once.
 class Whitted {
  public:
-  Whitted(const Shot& shot, const Looks& looks, std::shared_ptr<const DiscreteScene> scene, double cone_spread,
-          int max_depth);
+  Whitted(const Shot& shot, const Looks& looks, const Sky& sky, std::shared_ptr<const DiscreteScene> scene,
+          double cone_spread, int max_depth);
 
   /// Light that leaves the triangle towards the ray's origin. Shadow, reflected and refracted rays are discrete, at
   /// `time`. width: of the ray's cone where it meets the triangle.
@@ -29,6 +29,7 @@ class Whitted {
   Point point_at(const Ray& ray, uint32_t mesh, uint32_t triangle, double width, const Instant& instant) const;
   Vec3f shade(const Ray& ray, const Point& point, const Instant& instant, SampleKey key, int depth, float weight) const;
   Vec3f direct(const Point& point, const Instant& instant, SampleKey key) const;
+  Vec3f from_sky(const Point& point, const Instant& instant, SampleKey key) const;
   Vec3f from(const Ray& ray, double width, const Instant& instant, SampleKey key, int depth, float weight) const;
   /// Which part of the light gets through to the point from the side that it is seen from.
   Vec3f transmittance(const Point& point, Vec3d direction, double dist, const Instant& instant) const;
