@@ -118,6 +118,14 @@ TEST(Veils, OneThatGoesThroughTheWall) {
                     {0.125f, 0, 0.875f}, 1);
 }
 
+TEST(Veils, TwoInOnePlace) {  // as leaves have that are drawn on both sides
+  Mesh back = pane(0, -4.37f, 1);
+  for (Triangle& triangle : back.triangles) std::swap(triangle[1], triangle[2]);
+  expect_everywhere(
+      point_shot({veil(kRed, 0.5f), veil(kRed, 0.25f), lambert(kBlue)}, {pane(0, -4.37f, 0), back, wall(-9, 2)}),
+      {0.625f, 0, 0.375f}, 1);
+}
+
 TEST(Veils, ManyPiecesOfWhatTurnsBehind) {
   // A wall that comes to meet the veil and goes back: it hides it from a quarter to three quarters of the time.
   Mesh swings = wall(-8, 1);

@@ -125,29 +125,43 @@ struct DiscreteScene::Impl {
                   place == 0 ? mesh.positions[key] : between(mesh.positions[key], mesh.positions[key + 1], place),
                   device);
     }
+    if (cut_outs && cut_outs->has(index)) {
+      rtcSetGeometryUserData(geometry.get(), this);
+      rtcSetGeometryIntersectFilterFunction(geometry.get(), refuse_missing);
+    }
     rtcCommitGeometry(geometry.get());
     rtcAttachGeometryByID(window.scene.get(), geometry.get(), static_cast<unsigned>(mesh_of.size()));
     device.check();
     mesh_of.push_back(index);
   }
 
+  /// What Embree hands through to its filter.
+  struct Context {
+    RTCIntersectContext embree;  // first, so that a pointer to it is one to the whole
+    const Ray* rays;             // [number of the ray]
+    const float* times;
+  };
+  static Context context_of(const Ray* rays, const float* times) {
+    Context context{{}, rays, times};
+    rtcInitIntersectContext(&context.embree);
+    return context;
+  }
+
+  /// Embree asks before it takes a hit for one: refuses those on what is missing.
+  static void refuse_missing(const RTCFilterFunctionNArguments* hits) {
+    const auto& self = *static_cast<const Impl*>(hits->geometryUserPtr);
+    const auto& context = *reinterpret_cast<const Context*>(hits->context);
+    for (unsigned i = 0; i < hits->N; ++i) {
+      if (hits->valid[i] != -1) continue;
+      const unsigned ray = RTCRayN_id(hits->ray, hits->N, i);
+      const uint32_t mesh = self.mesh_of[RTCHitN_geomID(hits->hit, hits->N, i)];
+      const uint32_t triangle = RTCHitN_primID(hits->hit, hits->N, i);
+      if (!self.cut_outs->solid(context.rays[ray], mesh, triangle, context.times[ray])) hits->valid[i] = 0;
+    }
+  }
+
   /// Denormals must be zero already.
-  /// Is the hit on something that is missing there?
-  bool is_missing(const Ray& ray, float time, const std::optional<DiscreteHit>& hit) const {
-    return cut_outs && hit && cut_outs->has(hit->mesh) && !cut_outs->solid(ray, hit->mesh, hit->triangle, time);
-  }
-
-  /// Goes on behind what is missing.
-  std::optional<DiscreteHit> intersect(const Ray& ray, float time, float max_dist,
-                                       DiscreteLayer layer = DiscreteLayer::all) const {
-    auto hit = intersect_whole(ray, time, 0, max_dist, layer);
-    while (is_missing(ray, time, hit))
-      hit = intersect_whole(ray, time, std::nextafter(hit->dist, max_dist), max_dist, layer);
-    return hit;
-  }
-
-  std::optional<DiscreteHit> intersect_whole(const Ray& ray, float time, float min_dist, float max_dist,
-                                             DiscreteLayer layer) const {
+  std::optional<DiscreteHit> intersect(const Ray& ray, float time, float max_dist) const {
     if (!usable(ray, time) || !(max_dist > 0)) return std::nullopt;
     RTCRayHit query{};
     query.ray.org_x = ray.origin.x;
@@ -156,16 +170,14 @@ struct DiscreteScene::Impl {
     query.ray.dir_x = ray.direction.x;
     query.ray.dir_y = ray.direction.y;
     query.ray.dir_z = ray.direction.z;
-    query.ray.tnear = min_dist;
     query.ray.tfar = max_dist;
     query.ray.mask = ~0u;
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    Context context = context_of(&ray, &time);
     for (const Window& window : windows) {  // each looks no farther than what the ones before have hit
-      if (!window.holds(time) || (layer == DiscreteLayer::still && window.moves)) continue;
+      if (!window.holds(time)) continue;
       query.ray.time = window.local(time);
-      rtcIntersect1(window.scene.get(), &context, &query);
+      rtcIntersect1(window.scene.get(), &context.embree, &query);
     }
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
     const Vec3f normal{query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z};
@@ -186,11 +198,11 @@ struct DiscreteScene::Impl {
       query.ray.dir_z[i] = rays[i].direction.z;
       query.ray.tfar[i] = std::numeric_limits<float>::infinity();
       query.ray.mask[i] = ~0u;
+      query.ray.id[i] = static_cast<unsigned>(i);
     }
     std::fill(std::begin(query.hit.geomID), std::end(query.hit.geomID), RTC_INVALID_GEOMETRY_ID);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    Context context = context_of(rays.data(), times.data());
+    context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     for (const Window& window : windows) {
       if (layer == DiscreteLayer::still && window.moves) continue;
       alignas(32) int valid[kPacket]{};
@@ -201,7 +213,7 @@ struct DiscreteScene::Impl {
         any = true;
         query.ray.time[i] = window.local(times[i]);
       }
-      if (any) rtcIntersect8(valid, window.scene.get(), &context, &query);
+      if (any) rtcIntersect8(valid, window.scene.get(), &context.embree, &query);
     }
     for (size_t i = 0; i < rays.size(); ++i) {
       hits[i].reset();
@@ -210,8 +222,6 @@ struct DiscreteScene::Impl {
       const Vec3f normal{query.hit.Ng_x[i], query.hit.Ng_y[i], query.hit.Ng_z[i]};
       hits[i] = DiscreteHit{query.ray.tfar[i], mesh_of[geometry], query.hit.primID[i],
                             query.hit.u[i],    query.hit.v[i],    faces(normal, rays[i].direction)};
-      if (is_missing(rays[i], times[i], hits[i]))
-        hits[i] = intersect(rays[i], times[i], std::numeric_limits<float>::infinity(), layer);
     }
   }
 };
