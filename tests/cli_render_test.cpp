@@ -110,6 +110,12 @@ TEST_F(CliRender, StatsFileHoldsWhatTheContractSays) {
     }
     EXPECT_GT(stats.at("peak_memory_bytes").get<uint64_t>(), 1u << 20);
     EXPECT_EQ(stats.at("triangles"), 4);
+    EXPECT_EQ(stats.at("bytes_per_triangle").at("geometry").get<double>() * 4, stats.at("geometry_memory_bytes"));
+    EXPECT_EQ(stats.at("bytes_per_triangle").at("accel").get<double>() * 4, stats.at("accel_memory_bytes"));
+    EXPECT_NEAR(stats.at("seconds_per_million_triangles").at("build").get<double>() * 4e-6,
+                stats.at("build_seconds").get<double>(), 1e-9);
+    EXPECT_NEAR(stats.at("file_seconds").get<double>() + stats.at("shot_seconds").get<double>(),
+                stats.at("load_seconds").get<double>(), 1e-9);
     EXPECT_EQ(stats.at("rays"), 32 * 20 * 4);
     EXPECT_EQ(stats.at("threads"), 2);
     EXPECT_TRUE(stats.at("instruction_set").is_string());

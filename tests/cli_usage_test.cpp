@@ -121,6 +121,7 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--strict", ""},
                                                        {"--camera", "0"},
                                                        {"--frame", "0"},
+                                                       {"--frames", "0-1"},
                                                        {"--fps", "24"},
                                                        {"--shutter", "-0.25,0.25"},
                                                        {"--size", "8x6"},
@@ -143,6 +144,7 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
       ASSERT_TRUE(examples.contains(name)) << name;
       std::string arguments = rest;
       if (name == "--output") arguments = "scene.json --size 12x9 ";
+      if (name == "--frames") arguments = "scene.json -o f%d.exr --size 12x9 ";
       if (name == "--rays") arguments = "scene.json ";
       if (name == "--size")
         arguments = "scene.json " + std::string(command == "render"  ? "-o a.exr "

@@ -6,10 +6,12 @@
 
 #include "arguments.h"
 #include "commands.h"
+#include "frames.h"
 #include "image/read_exr.h"
 #include "interrupt.h"
 #include "output/atomic_file.h"
 #include "output/compare.h"
+#include "output/flicker.h"
 
 namespace kairos::cli {
 
@@ -21,9 +23,29 @@ struct CompareArguments {
   std::string side_by_side;
   std::vector<std::string> labels;
   std::optional<PixelBox> zoom;
+  std::optional<FrameRange> frames;
 };
 
+/// All pictures are sequences of the same frames.
+void compare_sequences(const CompareArguments& arguments) {
+  const FrameName reference_name("REFERENCE", arguments.reference);
+  std::vector<FrameName> names;
+  for (const std::string& image : arguments.images) names.emplace_back("IMAGE", image);
+  std::vector<SequenceMeter> meters(names.size());
+  for (int frame = arguments.frames->first; frame <= arguments.frames->last; ++frame) {
+    const Image reference = read_exr(reference_name.at(frame));
+    for (size_t i = 0; i < names.size(); ++i)
+      meters[i].add(reference, read_exr(names[i].at(frame)), names[i].at(frame));
+  }
+  for (size_t i = 0; i < names.size(); ++i) {
+    const SequenceDifference result = meters[i].result();
+    fmt::print("{}: MSE {:.4g}, PSNR {:.2f} dB, flicker {:.4g}\n", arguments.images[i], result.mean.mse,
+               result.mean.psnr, result.flicker);
+  }
+}
+
 void run_compare(const CompareArguments& arguments) {
+  if (arguments.frames) return compare_sequences(arguments);
   if (!arguments.side_by_side.empty()) check_writable_image(arguments.side_by_side);
   const Image reference = read_exr(arguments.reference);
   std::vector<Image> images;
@@ -73,7 +95,21 @@ void add_compare_command(CLI::App& app, Action& chosen) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("A,B,...");
+  compare
+      .add_option_function<std::string>(
+          "--frames",
+          [out](const std::string& text) {
+            out->frames = parse_frames("--frames", text);
+            if (out->frames->count() < 2) throw CLI::ValidationError("--frames", "a sequence has two frames at least");
+          },
+          "Compare sequences, whose names have %04d: mean error, and flicker, the mean change of the error")
+      ->type_name("A-B")
+      ->excludes("--side-by-side");
   compare.callback([out, &chosen] {
+    if (out->frames) {
+      FrameName("REFERENCE", out->reference);
+      for (const std::string& image : out->images) FrameName("IMAGE", image);
+    }
     if (!out->labels.empty() && out->labels.size() != out->images.size())
       throw CLI::ValidationError("--labels", fmt::format("{} labels for {} pictures; give each picture one",
                                                          out->labels.size(), out->images.size()));

@@ -1,17 +1,20 @@
 // kairos render: scene in, picture out.
+#include <algorithm>
+#include <filesystem>
 #include <memory>
-
-#include <nlohmann/json.hpp>
+#include <set>
 
 #include <kairos/error.h>
 #include <kairos/render.h>
 
 #include "arguments.h"
 #include "commands.h"
+#include "frames.h"
 #include "integrators/names.h"
 #include "interrupt.h"
 #include "output/atomic_file.h"
 #include "progress_bar.h"
+#include "render_stats.h"
 #include "report.h"
 #include "scene/scene.h"
 
@@ -23,12 +26,9 @@ struct RenderArguments {
   SceneArguments scene;
   RenderParams params;
   WriteOptions write;
-  std::string out, stats_file, command_line;
+  std::string out, stats_file, command_line;  ///< names of files: with `frames`, of a sequence's
+  std::optional<FrameRange> frames;
   bool quiet = false;
-};
-
-struct Timings {
-  double load = 0, shot = 0, write = 0;
 };
 
 void log(const RenderArguments& arguments, const std::string& line) {
@@ -63,59 +63,40 @@ Image render_with_progress(const RenderArguments& arguments, const Shot& shot, R
   throw Error(ErrorCode::cancelled, "", "interrupted");
 }
 
-double ratio(uint64_t a, uint64_t b) { return b == 0 ? 0 : static_cast<double>(a) / static_cast<double>(b); }
+/// One picture of a sequence, or the only one.
+struct Job {
+  ShotOptions shot;
+  std::string out, stats_file;
+};
 
-std::string stats_text(const RenderArguments& arguments, const Shot& shot, const RenderStats& stats,
-                       const Timings& timings) {
-  const RenderParams& params = arguments.params;
-  const bool tc = params.integrator == IntegratorKind::tc;
-  const bool discrete_only = params.integrator == IntegratorKind::qmc;
-  nlohmann::ordered_json json;
-  json["load_seconds"] = timings.load + timings.shot;
-  json["build_seconds"] = stats.build_seconds;
-  json["render_seconds"] = stats.render_seconds;
-  json["write_seconds"] = timings.write;
-  json["peak_memory_bytes"] = peak_memory_bytes();
-  json["geometry_memory_bytes"] = mesh_bytes(shot.meshes);
-  json["accel_memory_bytes"] = stats.accel_memory_bytes;
-  json["triangles"] = triangle_count(shot.meshes);
-  json["rays"] = stats.rays;
-  json["shading_samples"] = stats.shading_samples;
-  json["threads"] = stats.threads;
-  json["instruction_set"] = stats.instruction_set ? std::string(to_string(*stats.instruction_set)) : "embree";
-  json["integrator"] = name_of(kIntegratorNames, params.integrator);
-  json["samples"] = tc ? params.tc_rays : params.spp;
-  json["seed"] = params.seed;
-  // Embree does not count its work: null, rather than a number that is not known.
-  nlohmann::ordered_json& counters = json["counters"];
-  const auto counted = [&](uint64_t count) {
-    return discrete_only ? nlohmann::ordered_json() : nlohmann::ordered_json(count);
-  };
-  counters["nodes"] = counted(stats.counters.nodes);
-  counters["triangles_tested"] = counted(stats.counters.triangles);
-  counters["root_solves"] = counted(stats.counters.root_solves);
-  counters["hits"] = counted(stats.counters.hits);
-  counters["segments"] = stats.segments;
-  counters["segments_per_ray"] = ratio(stats.segments, stats.rays);
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+/// The pictures that are not there yet.
+std::vector<Job> jobs_of(const RenderArguments& arguments) {
+  if (!arguments.frames) return {{arguments.scene.shot, arguments.out, arguments.stats_file}};
+  const FrameName out("--output", arguments.out);
+  std::vector<Job> jobs;
+  for (int frame = arguments.frames->first; frame <= arguments.frames->last; ++frame) {
+    Job job{arguments.scene.shot, out.at(frame), ""};
+    if (!arguments.stats_file.empty()) job.stats_file = FrameName("--stats-file", arguments.stats_file).at(frame);
+    // Pictures get their name when they are complete: what is there need not be made again.
+    if (std::filesystem::is_regular_file(job.out)) continue;
+    job.shot.frame = frame;
+    jobs.push_back(std::move(job));
+  }
+  const size_t there = static_cast<size_t>(arguments.frames->count()) - jobs.size();
+  if (there > 0) log(arguments, fmt::format("{} of {} frames are there already", there, arguments.frames->count()));
+  return jobs;
 }
 
-void run_render(RenderArguments arguments) {
-  check_writable_image(arguments.out);
-  if (!arguments.stats_file.empty()) check_writable(arguments.stats_file);
-  Timings timings;
-
-  const Stopwatch loading;
-  const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
-  timings.load = loading.seconds();
+void render_job(const RenderArguments& arguments, const Job& job, const Scene& scene, Timings timings,
+                std::set<std::string>& told) {
   const Stopwatch reducing;
-  const Shot shot = make_shot(*scene, arguments.scene.shot);
+  const Shot shot = make_shot(scene, job.shot);
   timings.shot = reducing.seconds();
-  for (const std::string& warning : scene->warnings) log(arguments, "warning: " + warning);
   log(arguments, fmt::format("loaded {} meshes, {} triangles in {:.2f} s; {}x{} pixels, shutter {} to {}",
                              shot.meshes.size(), triangle_count(shot.meshes), timings.load + timings.shot,
                              shot.projection.width, shot.projection.height, shot.shutter_open, shot.shutter_close));
-  for (const std::string& note : shot.notes) log(arguments, "note: " + note);
+  for (const std::string& note : shot.notes)
+    if (told.insert(note).second) log(arguments, "note: " + note);
 
   RenderStats stats;
   Image image = render_with_progress(arguments, shot, stats);
@@ -128,17 +109,40 @@ void run_render(RenderArguments arguments) {
 
   image.attributes.push_back({"kairos:command_line", arguments.command_line});
   const Stopwatch writing;
-  guard_file(temporary_name(arguments.out));
-  write_image(image, arguments.out, arguments.write);
+  guard_file(temporary_name(job.out));
+  write_image(image, job.out, arguments.write);
   guard_file("");
   timings.write = writing.seconds();
-  if (!arguments.stats_file.empty()) {
-    const std::string text = stats_text(arguments, shot, stats, timings);
-    AtomicFile file(arguments.stats_file);
+  if (!job.stats_file.empty()) {
+    const std::string text = stats_text(arguments.params, shot, stats, timings);
+    AtomicFile file(job.stats_file);
     file.write(text.data(), text.size());
     file.commit();
   }
-  log(arguments, fmt::format("wrote {}", arguments.out));
+}
+
+void run_render(const RenderArguments& arguments) {
+  const std::vector<Job> jobs = jobs_of(arguments);
+  for (const Job& job : jobs) {
+    check_writable_image(job.out);
+    if (!job.stats_file.empty()) check_writable(job.stats_file);
+  }
+  if (jobs.empty()) return;
+
+  const Stopwatch loading;
+  const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
+  Timings timings;
+  timings.load = loading.seconds();
+  for (const std::string& warning : scene->warnings) log(arguments, "warning: " + warning);
+  std::set<std::string> told;  // notes are much the same for every frame
+  const Stopwatch rendering;
+  for (size_t i = 0; i < jobs.size(); ++i) {
+    render_job(arguments, jobs[i], *scene, timings, told);
+    const size_t left = jobs.size() - i - 1;
+    const double seconds = rendering.seconds() / static_cast<double>(i + 1) * static_cast<double>(left);
+    const std::string outlook = left ? fmt::format("; {} of {}, {} left", i + 1, jobs.size(), clock_time(seconds)) : "";
+    log(arguments, fmt::format("wrote {}{}", jobs[i].out, outlook));
+  }
 }
 
 void add_picture_options(CLI::App& app, RenderArguments& out) {
@@ -208,8 +212,18 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
   add_sampling_options(command, *arguments);
   command.add_option("--stats-file", arguments->stats_file, "Write times, memory and counters to this JSON file")
       ->type_name("F.json");
+  command
+      .add_option_function<std::string>(
+          "--frames", [arguments](const std::string& text) { arguments->frames = parse_frames("--frames", text); },
+          "Render these frames, each as with --frame; names of files then have %04d. Those that are there are skipped")
+      ->type_name("A-B")
+      ->excludes("--frame");
   command.add_flag("--quiet", arguments->quiet, "No log and no progress, errors only");
   command.callback([arguments, &chosen] {
+    if (arguments->frames) {
+      FrameName("--output", arguments->out);
+      if (!arguments->stats_file.empty()) FrameName("--stats-file", arguments->stats_file);
+    }
     arguments->params.threads = arguments->scene.threads;
     const std::vector<Aov>& aovs = arguments->params.aovs;
     arguments->scene.shot.textures = arguments->params.shading != ShadingKind::normal ||

@@ -1,0 +1,62 @@
+#include "render_stats.h"
+
+#include <nlohmann/json.hpp>
+
+#include "integrators/names.h"
+#include "report.h"
+
+namespace kairos::cli {
+
+namespace {
+
+double ratio(uint64_t a, uint64_t b) { return b == 0 ? 0 : static_cast<double>(a) / static_cast<double>(b); }
+
+}  // namespace
+
+std::string stats_text(const RenderParams& params, const Shot& shot, const RenderStats& stats, const Timings& timings) {
+  const bool tc = params.integrator == IntegratorKind::tc;
+  const bool discrete_only = params.integrator == IntegratorKind::qmc;
+  nlohmann::ordered_json json;
+  json["load_seconds"] = timings.load + timings.shot;
+  json["file_seconds"] = timings.load;
+  json["shot_seconds"] = timings.shot;
+  json["build_seconds"] = stats.build_seconds;
+  json["render_seconds"] = stats.render_seconds;
+  json["write_seconds"] = timings.write;
+  json["peak_memory_bytes"] = peak_memory_bytes();
+  json["geometry_memory_bytes"] = mesh_bytes(shot.meshes);
+  json["accel_memory_bytes"] = stats.accel_memory_bytes;
+  const uint64_t triangles = triangle_count(shot.meshes);
+  json["triangles"] = triangles;
+  // What a triangle costs: memory of the shot's meshes and of the trees, and the most that the process ever held.
+  nlohmann::ordered_json& bytes = json["bytes_per_triangle"];
+  bytes["geometry"] = ratio(mesh_bytes(shot.meshes), triangles);
+  bytes["accel"] = ratio(stats.accel_memory_bytes, triangles);
+  bytes["peak"] = ratio(peak_memory_bytes(), triangles);
+  nlohmann::ordered_json& seconds = json["seconds_per_million_triangles"];
+  const auto per_million = [&](double time) { return triangles ? time * 1e6 / static_cast<double>(triangles) : 0; };
+  seconds["file"] = per_million(timings.load);
+  seconds["shot"] = per_million(timings.shot);
+  seconds["build"] = per_million(stats.build_seconds);
+  json["rays"] = stats.rays;
+  json["shading_samples"] = stats.shading_samples;
+  json["threads"] = stats.threads;
+  json["instruction_set"] = stats.instruction_set ? std::string(to_string(*stats.instruction_set)) : "embree";
+  json["integrator"] = name_of(kIntegratorNames, params.integrator);
+  json["samples"] = tc ? params.tc_rays : params.spp;
+  json["seed"] = params.seed;
+  // Embree does not count its work: null, rather than a number that is not known.
+  nlohmann::ordered_json& counters = json["counters"];
+  const auto counted = [&](uint64_t count) {
+    return discrete_only ? nlohmann::ordered_json() : nlohmann::ordered_json(count);
+  };
+  counters["nodes"] = counted(stats.counters.nodes);
+  counters["triangles_tested"] = counted(stats.counters.triangles);
+  counters["root_solves"] = counted(stats.counters.root_solves);
+  counters["hits"] = counted(stats.counters.hits);
+  counters["segments"] = stats.segments;
+  counters["segments_per_ray"] = ratio(stats.segments, stats.rays);
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace kairos::cli
