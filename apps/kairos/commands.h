@@ -11,8 +11,9 @@ namespace kairos::cli {
 /// What to do once the command line is known to be right. Throws kairos::Error.
 using Action = std::function<void()>;
 
-/// command_line: as typed, for the picture's header.
+/// command_line: as typed, for the picture's header or the page.
 void add_render_command(CLI::App& app, Action& chosen, const std::string& command_line);
+void add_study_command(CLI::App& app, Action& chosen, const std::string& command_line);
 void add_query_command(CLI::App& app, Action& chosen);
 void add_info_command(CLI::App& app, Action& chosen);
 void add_compare_command(CLI::App& app, Action& chosen);

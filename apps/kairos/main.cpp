@@ -1,5 +1,5 @@
-// The command line: kairos render|query|info|compare. Exit status 0 on success, 1 on bad input or a failed render, 2 on
-// bad usage.
+// The command line: kairos render|query|info|compare|study. Exit status 0 on success, 1 on bad input or a failed
+// render, 2 on bad usage.
 #include <algorithm>
 #include <cstdio>
 #include <new>
@@ -48,6 +48,7 @@ int run(int argc, char** argv) {
   kairos::cli::add_query_command(app, chosen);
   kairos::cli::add_info_command(app, chosen);
   kairos::cli::add_compare_command(app, chosen);
+  kairos::cli::add_study_command(app, chosen, command_line);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -86,6 +86,7 @@ struct RenderStats {
   double build_seconds = 0;       ///< wall clock: all parts that this picture uses, and what it alone needs
   BuildSeconds parts;             ///< of the parts it uses; those made for an earlier picture count as much
   double render_seconds = 0;      ///< wall clock
+  double render_cpu_seconds = 0;  ///< processor time of the whole process, over all threads, while it renders
   uint64_t rays = 0;              ///< from the camera
   uint64_t segments = 0;          ///< visibility segments (discrete rays: hits)
   uint64_t shading_samples = 0;   ///< shading evaluations

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <mutex>
 
 #include <kairos/render.h>
@@ -149,10 +150,12 @@ Image Renderer::render(const RenderParams& params, RenderStats* stats_out, const
   stats.build_seconds = stats.parts.sum() + own_seconds;
 
   start = std::chrono::steady_clock::now();
+  const std::clock_t cpu_start = std::clock();
   Monitor monitor(progress, static_cast<uint64_t>(crop.x1 - crop.x0) * static_cast<uint64_t>(crop.y1 - crop.y0));
   render_tiles(*integrator, shot, params, crop, monitor, film, stats);
   monitor.finish();
   stats.render_seconds = seconds_since(start);
+  stats.render_cpu_seconds = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
 
   Image image = film.take();
   describe(image, shot, params, stats, context.sampler.count());

@@ -2,14 +2,10 @@
 
 #include <cmath>
 
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#define STB_IMAGE_WRITE_STATIC
-#define STBI_WRITE_NO_STDIO
-#include <stb/stb_image_write.h>
-
 #include <kairos/error.h>
 
 #include "output/atomic_file.h"
+#include "output/encode.h"
 
 namespace kairos {
 
@@ -29,14 +25,7 @@ void write_png(const Image& image, const std::string& path) {
   for (size_t i = 0; i < 3; ++i)
     for (size_t pixel = 0; pixel < pixels; ++pixel)
       if (colour[i] != nullptr) bytes[pixel * 3 + i] = srgb_code(colour[i]->values[pixel]);
-  std::vector<unsigned char> encoded;
-  const auto append = [](void* context, void* data, int size) {
-    auto* const begin = static_cast<unsigned char*>(data);
-    static_cast<std::vector<unsigned char>*>(context)->insert(static_cast<std::vector<unsigned char>*>(context)->end(),
-                                                              begin, begin + size);
-  };
-  if (stbi_write_png_to_func(append, &encoded, image.width, image.height, 3, bytes.data(), image.width * 3) == 0)
-    throw Error(ErrorCode::io, path, "cannot be encoded as PNG");
+  const std::vector<uint8_t> encoded = encode_png(bytes, image.width, image.height, 3, path);
   AtomicFile file(path);
   file.write(encoded.data(), encoded.size());
   file.commit();

@@ -1,0 +1,12 @@
+# Writes the source OUT with each of FILES (separated by |) as a string: namespace kairos::study, NAME_EXT for NAME.EXT.
+cmake_minimum_required(VERSION 3.25)
+set(source "// Made from the files of src/study/page.\nnamespace kairos::study {\n")
+string(REPLACE "|" ";" files "${FILES}")
+foreach(file IN LISTS files)
+  cmake_path(GET file FILENAME name)
+  string(REPLACE "." "_" name ${name})
+  file(READ ${file} text)
+  string(APPEND source "extern const char* const ${name};\nconst char* const ${name} = R\"kairos(${text})kairos\";\n")
+endforeach()
+string(APPEND source "}  // namespace kairos::study\n")
+file(WRITE ${OUT} "${source}")

@@ -1,0 +1,131 @@
+#include "study/measure.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "output/compare.h"
+#include "study/statistics.h"
+
+namespace kairos::study {
+
+namespace {
+
+constexpr std::array<const char*, 3> kColours{"R", "G", "B"};
+constexpr double kRelativeFloor = 0.01;  // added to the squared reference: black would count for infinitely much
+constexpr double kDecades = 4;           // that error codes span, up to 1
+constexpr uint64_t kReferenceSeeds[] = {0x5eed0001, 0x5eed0002};  // runs have small ones
+
+double clock_seconds(const RenderStats& stats, Clock clock) {
+  return clock == Clock::wall ? stats.render_seconds : stats.render_cpu_seconds / stats.threads;
+}
+
+RenderParams params_under(const Conditions& conditions, const Setting& setting, uint64_t seed) {
+  RenderParams params = params_of(setting);
+  params.shading = conditions.shading;
+  params.discrete_keys = conditions.keys;
+  params.threads = conditions.threads;
+  params.seed = seed;
+  return params;
+}
+
+}  // namespace
+
+PictureError error_of(const Image& reference, const Image& image, const std::string& place) {
+  const Difference plain = difference(reference, image, place);
+  double sum = 0;
+  for (const char* name : kColours) {
+    const std::vector<float>&expected = reference.find(name)->values, &got = image.find(name)->values;
+    for (size_t i = 0; i < got.size(); ++i) {
+      const auto right = static_cast<double>(expected[i]), off = static_cast<double>(got[i]) - right;
+      sum += off * off / (right * right + kRelativeFloor);
+    }
+  }
+  return {plain.mse, plain.psnr, sum / (3.0 * static_cast<double>(image.find("R")->values.size()))};
+}
+
+std::vector<uint8_t> error_codes(const Image& reference, const Image& image) {
+  std::vector<double> squares(image.find("R")->values.size());
+  for (const char* name : kColours) {
+    const std::vector<float>&expected = reference.find(name)->values, &got = image.find(name)->values;
+    for (size_t i = 0; i < squares.size(); ++i) {
+      const double off = static_cast<double>(got[i]) - static_cast<double>(expected[i]);
+      squares[i] += off * off / 3;
+    }
+  }
+  std::vector<uint8_t> codes;
+  for (const double square : squares) {
+    const double place = square > 0 ? 1 + std::log10(square) / 2 / kDecades : 0;
+    codes.push_back(static_cast<uint8_t>(std::lround(std::clamp(place, 0.0, 1.0) * 255)));
+  }
+  return codes;
+}
+
+double difference_of(uint8_t error_code) {
+  return error_code == 0 ? 0 : std::pow(10, (error_code / 255.0 - 1) * kDecades);
+}
+
+Measured measure(Renderer& renderer, const Setting& setting, const Conditions& conditions, uint64_t seed,
+                 const Progress& progress) {
+  constexpr size_t kMostTimes = 9;
+  const RenderParams params = params_under(conditions, setting, seed);
+  Measured result;
+  std::vector<double> seconds;
+  double sum = 0;
+  do {
+    result.image = renderer.render(params, &result.stats, progress);
+    seconds.push_back(clock_seconds(result.stats, conditions.clock));
+    sum += seconds.back();
+  } while (sum < kShortest && seconds.size() < kMostTimes);
+  // A clock that stands still would give a time of zero, which no curve can show.
+  result.seconds = std::max(median(seconds), 1e-6);
+  return result;
+}
+
+Reference render_reference(Renderer& renderer, const Conditions& conditions, int spp, const Progress& progress) {
+  Conditions all_threads = conditions;
+  all_threads.threads = 0;
+  Reference result;
+  result.spp = spp;
+  std::array<Image, 2> halves;
+  for (size_t half = 0; half < 2; ++half) {
+    RenderStats stats;
+    const auto told = [&](double fraction) {
+      return !progress || progress((static_cast<double>(half) + fraction) / 2);
+    };
+    halves[half] = renderer.render(params_under(all_threads, {Method::owen_sobol, spp, 0, 0}, kReferenceSeeds[half]),
+                                   &stats, told);
+    result.seconds += stats.render_seconds;
+  }
+  result.image = halves[0];
+  for (Channel& channel : result.image.channels) {
+    const std::vector<float>& other = halves[1].find(channel.name)->values;
+    for (size_t i = 0; i < other.size(); ++i) channel.values[i] = (channel.values[i] + other[i]) / 2;
+  }
+  // Half of the difference of two independent halves has the variance of their mean.
+  result.error = error_of(result.image, halves[0], "half of the reference");
+  return result;
+}
+
+int fastest_keys(Renderer& renderer, const Conditions& conditions, const std::vector<int>& candidates,
+                 const Progress& progress) {
+  constexpr int kSpp = 4;
+  int best = candidates.front();
+  double least = std::numeric_limits<double>::infinity();
+  if (candidates.size() == 1) return best;
+  for (const int keys : candidates) {
+    Conditions with_keys = conditions;
+    with_keys.keys = keys;
+    for (uint64_t i = 0; i < 3; ++i) {  // one to warm up
+      const double seconds =
+          measure(renderer, {Method::owen_sobol, kSpp, 0, 0}, with_keys, kReferenceSeeds[0] + i, progress).seconds;
+      if (i == 0 || seconds >= least) continue;
+      least = seconds;
+      best = keys;
+    }
+  }
+  return best;
+}
+
+}  // namespace kairos::study
