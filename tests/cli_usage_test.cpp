@@ -110,6 +110,7 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--shading-samples", "2"},
                                                        {"--spp", "5"},
                                                        {"--sampler", "multi-jitter"},
+                                                       {"--clusters", "on"},
                                                        {"--shading", "flat"},
                                                        {"--max-depth", "3"},
                                                        {"--seed", "7"},

@@ -191,6 +191,8 @@ void add_sampling_options(CLI::App& app, RenderArguments& out) {
             "Rays per pixel of tc, and of mixed where anything moves");
   add_count(app, "--shading-samples", params.shading_samples, 1, kMostShadingSamples,
             "Shading samples per time-continuous ray");
+  add_choice(app, "--clusters", params.clusters, kClustersNames,
+             "Shade triangles that follow on each other smoothly as one; auto: whitted does, others don't");
   add_count(app, "--spp", params.spp, 1, kMostSamples,
             "Samples per pixel of qmc; of mixed: discrete rays; of auto: the budget");
   add_choice(app, "--sampler", params.sampler, kSamplerNames, "Where in the pixel, and when, samples are taken");

@@ -29,6 +29,12 @@ enum class ShadingKind {
   flat,     ///< base colour plus emission, unlit
   whitted,  ///< lit, with shadows, mirrors and glass
 };
+/// What gets a shading sample of its own along a time-continuous ray.
+enum class Clusters {
+  automatic,  ///< on where shading costs more than tracing: whitted
+  on,         ///< each cluster: segments that touch, of triangles that join smoothly
+  off,        ///< each segment
+};
 enum class FilterKind {
   box,              ///< the pixel itself
   gaussian,         ///< standard deviation 0.5 px, cut at 1.5 px
@@ -54,10 +60,11 @@ struct Crop {
 struct RenderParams {
   IntegratorKind integrator = IntegratorKind::tc;
   int tc_rays = 16;         ///< tc: rays per pixel; mixed: the same, where anything moves; 1 to 2^20
-  int shading_samples = 8;  ///< per time-continuous ray, over its segments by duration, at least one in each (and no
-                            ///< more where nothing changes); 1 to 2^16
-  int spp = 64;             ///< qmc: samples per pixel; mixed: rays to what stands still; automatic: the budget, in the
-                            ///< time of samples of qmc; 1 to 2^20
+  int shading_samples = 8;  ///< per time-continuous ray, over its segments by duration, at least one in each cluster
+                            ///< (and no more where nothing changes); 1 to 2^16
+  Clusters clusters = Clusters::automatic;
+  int spp = 64;  ///< qmc: samples per pixel; mixed: rays to what stands still; automatic: the budget, in the
+                 ///< time of samples of qmc; 1 to 2^20
   SamplerKind sampler = SamplerKind::owen_sobol;
   ShadingKind shading = ShadingKind::normal;
   int max_depth = 8;  ///< whitted: how often a ray may be reflected or refracted, 0 to 64

@@ -39,7 +39,7 @@ class MixedIntegrator : public Integrator {
         context_(context),
         automatic_(params.integrator == IntegratorKind::automatic),
         fixed_plan_{static_cast<uint32_t>(params.tc_rays), context.sampler.count()},
-        shading_samples_(params.shading_samples),
+        shading_(shading_options(params)),
         mask_(parts.motion_mask(context.filter.radius())),
         scene_(parts.discrete(params.discrete_keys)),
         tracer_(parts.tracer(params.instruction_set)) {}
@@ -56,7 +56,7 @@ class MixedIntegrator : public Integrator {
   class MixedWorker : public Worker {
    public:
     explicit MixedWorker(const MixedIntegrator& integrator)
-        : integrator_(integrator), context_(integrator.context_), shading_(context_, integrator.shading_samples_) {}
+        : integrator_(integrator), context_(integrator.context_), shading_(context_, integrator.shading_) {}
 
     void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
@@ -240,7 +240,7 @@ class MixedIntegrator : public Integrator {
   const PixelContext& context_;
   bool automatic_;        // plan per pixel
   PixelPlan fixed_plan_;  // else
-  int shading_samples_;
+  ShadingOptions shading_;
   const MotionMask& mask_;
   const DiscreteScene& scene_;
   const Tracer& tracer_;

@@ -24,6 +24,9 @@ inline constexpr std::pair<std::string_view, Aov> kAovNames[] = {
     {"depth", Aov::depth},       {"normal", Aov::normal},     {"albedo", Aov::albedo},
     {"coverage", Aov::coverage}, {"segments", Aov::segments}, {"mesh", Aov::mesh}};
 
+inline constexpr std::pair<std::string_view, Clusters> kClustersNames[] = {
+    {"auto", Clusters::automatic}, {"on", Clusters::on}, {"off", Clusters::off}};
+
 template <class Value, size_t N>
 constexpr std::string_view name_of(const std::pair<std::string_view, Value> (&names)[N], Value value) {
   for (const auto& [name, known] : names)

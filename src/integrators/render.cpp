@@ -12,6 +12,7 @@
 #include "integrators/integrator.h"
 #include "integrators/names.h"
 #include "integrators/shot_parts.h"
+#include "integrators/spread.h"
 
 namespace kairos {
 
@@ -106,7 +107,10 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
   put("kairos:integrator", std::string(name_of(kIntegratorNames, params.integrator)));
   put("kairos:samples", static_cast<int>(samples));
   if (params.integrator == IntegratorKind::mixed) put("kairos:tc_rays", params.tc_rays);
-  if (params.integrator != IntegratorKind::qmc) put("kairos:shading_samples", params.shading_samples);
+  if (params.integrator != IntegratorKind::qmc) {
+    put("kairos:shading_samples", params.shading_samples);
+    put("kairos:clusters", std::string(shading_options(params).clusters ? "on" : "off"));
+  }
   put("kairos:sampler", std::string(name_of(kSamplerNames, params.sampler)));
   put("kairos:shading", std::string(name_of(kShadingNames, params.shading)));
   if (params.shading == ShadingKind::whitted) put("kairos:max_depth", params.max_depth);

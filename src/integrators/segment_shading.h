@@ -14,24 +14,31 @@ namespace kairos {
 /// One thread's scratch memory.
 class SegmentShading {
  public:
-  /// samples: per ray, see spread_samples.
-  SegmentShading(const PixelContext& context, int samples)
-      : context_(context), samples_per_ray_(samples), layers_(context) {}
+  SegmentShading(const PixelContext& context, ShadingOptions options)
+      : context_(context), options_(options), layers_(context) {}
 
-  /// Appends the shaded parts of the segments of ray `index` of a pixel, seen through `veils`, to `out`. phase: see
-  /// spread_samples.
+  /// Appends the shaded parts of the segments of ray `index` of a pixel, seen through `veils`, to `out`: they cover
+  /// exactly what the segments cover, and each is part of one of them. phase: see spread_samples.
   void shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> veils, uint64_t pixel_seed,
              uint32_t index, float phase, std::vector<ShadedSegment>& out) {
     if (pixel_seed != key_.seed) key_ = {pixel_seed, 0};
     const double share = unit_float(hash(pixel_seed, index, kShareDimension));
-    if (!veils.empty() || context_.shader.has_sky()) {
-      evaluations_ += layers_.shade(ray, segments, veils, samples_per_ray_, share, phase, key_, out);
+    const Shader& shader = context_.shader;
+    if (!veils.empty() || shader.has_sky()) {
+      evaluations_ += layers_.shade(ray, segments, veils, options_, share, phase, key_, out);
       return;
     }
     spread_samples(
-        segments, samples_per_ray_, share, phase, [&](const Segment& s) { return context_.shader.varies(s.mesh); },
-        samples_);
-    for (const ShadingSample& sample : samples_) out.push_back(shade_one(ray, segments[sample.segment], sample));
+        segments, options_.samples, share, phase,
+        [&](const Segment& first, const Segment& second) { return options_.clusters && shader.joined(first, second); },
+        [&](const Segment& s) { return shader.varies(s.mesh); }, samples_);
+    for (const ShadingSample& sample : samples_) {
+      const Segment& seen = segments[sample.segment];
+      const Shade shade = shader.shade(ray, seen.mesh, seen.triangle, sample.time, key_);
+      ++key_.index;
+      for (size_t i = sample.first; i < segments.size() && segments[i].begin < sample.end; ++i)
+        out.push_back(part_of(segments[i], sample, shade));
+    }
     evaluations_ += samples_.size();
   }
 
@@ -40,19 +47,22 @@ class SegmentShading {
  private:
   static constexpr uint64_t kShareDimension = 3;  // beside x, y and time
 
-  ShadedSegment shade_one(const Ray& ray, const Segment& segment, const ShadingSample& sample) {
-    const Shade shade = context_.shader.shade(ray, segment.mesh, segment.triangle, sample.time, key_);
-    ++key_.index;
-    const auto dist_at = [&](float time) {
-      return segment.dist_begin +
-             (segment.dist_end - segment.dist_begin) * ((time - segment.begin) / segment.duration());
-    };
-    return {sample.begin, sample.end,   dist_at(sample.begin), dist_at(sample.end), shade.colour,
-            shade.normal, shade.albedo, segment.mesh,          segment.triangle};
+  /// What the sample stands for within the segment.
+  static ShadedSegment part_of(const Segment& segment, const ShadingSample& sample, const Shade& shade) {
+    const float begin = std::max(segment.begin, sample.begin), end = std::min(segment.end, sample.end);
+    return {begin,
+            end,
+            distance_at(segment, begin),
+            distance_at(segment, end),
+            shade.colour,
+            shade.normal,
+            shade.albedo,
+            segment.mesh,
+            segment.triangle};
   }
 
   const PixelContext& context_;
-  int samples_per_ray_;
+  ShadingOptions options_;
   LayerShading layers_;
   std::vector<ShadingSample> samples_;
   SampleKey key_;  // of the next shading sample: numbered through each pixel

@@ -6,44 +6,67 @@
 #include <span>
 #include <vector>
 
+#include <kairos/render.h>
 #include <kairos/tracer.h>
 
 namespace kairos {
 
-/// A part of a segment, and the instant at which it is shaded: its duration is the sample's weight.
+/// How time-continuous rays are shaded. See RenderParams.
+struct ShadingOptions {
+  int samples = 8;  ///< per ray
+  bool clusters = true;
+};
+inline ShadingOptions shading_options(const RenderParams& params) {
+  const bool is_dear = params.shading == ShadingKind::whitted;
+  return {params.shading_samples,
+          params.clusters == Clusters::on || (params.clusters == Clusters::automatic && is_dear)};
+}
+
+/// A stretch of a cluster of segments, and the instant at which it is shaded: its duration is the sample's weight.
 struct ShadingSample {
-  uint32_t segment = 0;  ///< index of the segment it is part of
+  uint32_t first = 0;    ///< index of the segment in which it begins; it may go on over the next ones
+  uint32_t segment = 0;  ///< index of the segment in which `time` lies
   float begin = 0, end = 0, time = 0;
 };
 
-/// Spreads `samples` shading samples over a ray's segments in proportion to their durations, at least one each. A
-/// segment with n samples is cut into n equal parts, each sampled at the same fraction of its length; the parts'
-/// durations sum to the segment's exactly.
+/// Spreads `samples` shading samples over a ray's segments in proportion to their durations, at least one for each
+/// cluster: a longest run of segments that touch and of which joined(segment, next) is true. A cluster with n samples
+/// is cut into n equal parts, each sampled at the same fraction of its length, whichever segment that falls into; the
+/// parts' durations sum to the cluster's exactly.
 ///
-/// varies(segment) says whether its instants may look different from each other: where not, one sample is exact.
-/// share and phase, in [0, 1), independent of each other and uniform over rays: which segments get the samples that
-/// durations leave undecided, and where in their parts samples lie. The sum of duration x colour(time) is then
-/// unbiased.
-template <class Varies>
-void spread_samples(std::span<const Segment> segments, int samples, double share, float phase, Varies&& varies,
-                    std::vector<ShadingSample>& out) {
+/// varies(segment) says whether its instants may look different from each other; asked of the first of a cluster.
+/// Where not, one sample stands for the cluster.
+/// share and phase, in [0, 1), independent of each other and uniform over rays: which clusters get the samples that
+/// durations leave undecided, and where in their parts samples lie. A sample is anywhere in its part with the same
+/// probability, so the sum of duration x colour(time) is unbiased, whatever `joined` says.
+template <class Joined, class Varies>
+void spread_samples(std::span<const Segment> segments, int samples, double share, float phase, Joined&& joined,
+                    Varies&& varies, std::vector<ShadingSample>& out) {
   out.clear();
   double visible = 0, before = 0;
   for (const Segment& s : segments) visible += static_cast<double>(s.end) - static_cast<double>(s.begin);
-  for (uint32_t i = 0; i < segments.size(); ++i) {
-    const Segment& s = segments[i];
-    const double after = before + (static_cast<double>(s.end) - static_cast<double>(s.begin));
+  const auto count = static_cast<uint32_t>(segments.size());
+  for (uint32_t first = 0, next = 0; first < count; first = next) {
+    for (next = first + 1; next < count; ++next)
+      if (segments[next].begin != segments[next - 1].end || !joined(segments[next - 1], segments[next])) break;
+    const float cluster_begin = segments[first].begin, cluster_end = segments[next - 1].end;
+    const double after = before + (static_cast<double>(cluster_end) - static_cast<double>(cluster_begin));
     const double marks = std::floor(after / visible * samples + share) - std::floor(before / visible * samples + share);
-    const int parts = varies(s) ? std::max(1, static_cast<int>(marks)) : 1;
-    const auto border = [&](int part) {
-      if (part == parts) return s.end;
-      return std::min(s.end, s.begin + (s.end - s.begin) * (static_cast<float>(part) / static_cast<float>(parts)));
-    };
-    for (int part = 0; part < parts; ++part) {
-      const float begin = border(part), end = border(part + 1);
-      // Half-open: at its very end another triangle is seen.
-      const float time = std::max(begin, std::min(begin + (end - begin) * phase, std::nextafter(s.end, 0.0f)));
-      out.push_back({i, begin, end, time});
+    const int parts = varies(segments[first]) ? std::max(1, static_cast<int>(marks)) : 1;
+    const float length = cluster_end - cluster_begin;
+    uint32_t begins_in = first, lies_in = first;
+    float begin = cluster_begin;
+    for (int part = 1; part <= parts; ++part) {
+      const float share_of_length = static_cast<float>(part) / static_cast<float>(parts);
+      const float end = part == parts ? cluster_end : std::min(cluster_end, cluster_begin + length * share_of_length);
+      if (!(begin < end)) continue;  // too short for so many
+      // Half-open: at its very end something else is seen.
+      const float latest = std::nextafter(end, 0.0f);
+      const float time = std::max(begin, std::min(begin + (end - begin) * phase, latest));
+      while (segments[begins_in].end <= begin) ++begins_in;
+      while (segments[lies_in].end <= time) ++lies_in;
+      out.push_back({begins_in, lies_in, begin, end, time});
+      begin = end;
     }
     before = after;
   }

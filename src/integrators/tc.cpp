@@ -11,8 +11,8 @@ namespace {
 
 class TcIntegrator : public Integrator {
  public:
-  TcIntegrator(const Tracer& tracer, int shading_samples, const PixelContext& context)
-      : context_(context), shading_samples_(shading_samples), tracer_(tracer) {}
+  TcIntegrator(const Tracer& tracer, ShadingOptions shading, const PixelContext& context)
+      : context_(context), shading_(shading), tracer_(tracer) {}
 
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<TcWorker>(*this); }
 
@@ -20,9 +20,7 @@ class TcIntegrator : public Integrator {
   class TcWorker : public Worker {
    public:
     explicit TcWorker(const TcIntegrator& integrator)
-        : integrator_(integrator),
-          context_(integrator.context_),
-          shading_(integrator.context_, integrator.shading_samples_) {}
+        : integrator_(integrator), context_(integrator.context_), shading_(integrator.context_, integrator.shading_) {}
 
     void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
@@ -66,7 +64,7 @@ class TcIntegrator : public Integrator {
   };
 
   const PixelContext& context_;
-  int shading_samples_;
+  ShadingOptions shading_;
   const Tracer& tracer_;
 };
 
@@ -77,7 +75,7 @@ std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderPar
   const Tracer& tracer = parts.tracer(params.instruction_set);
   stats.instruction_set = tracer.instruction_set();
   stats.accel_memory_bytes = tracer.memory_bytes();
-  return std::make_unique<TcIntegrator>(tracer, params.shading_samples, context);
+  return std::make_unique<TcIntegrator>(tracer, shading_options(params), context);
 }
 
 }  // namespace kairos

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "shading/smooth_joint.h"
 #include "shading/surface.h"
 
 namespace kairos {
@@ -30,6 +31,15 @@ Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_dep
     world_from_camera_ = {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
   else if (!shot.camera_moves)
     world_from_camera_ = shot.world_from_camera(0);
+}
+
+bool Shader::joined(const Segment& first, const Segment& second) const {
+  if (first.mesh != second.mesh) return false;
+  const JointNeeds needs{want_normal_ || whitted_, looks_->is_textured(first.mesh)};
+  if (!needs.normals && !needs.uvs) return true;  // of one colour all over
+  if (first.front != second.front) return false;
+  return first.triangle == second.triangle ||
+         smooth_joint(shot_.meshes[first.mesh], first.triangle, second.triangle, first.end, needs);
 }
 
 Vec3f Shader::normal(const Ray& ray, uint32_t mesh_index, uint32_t triangle, float time) const {

@@ -36,6 +36,10 @@ class Shader {
   /// False when all instants at which a ray sees one of the mesh's triangles look the same.
   bool varies(uint32_t mesh) const { return varies_[mesh]; }
 
+  /// For two visibility segments of a ray, of which the second begins when the first ends: true when its colour goes on
+  /// without a jump, so that what is seen of both may be shaded as one.
+  bool joined(const Segment& first, const Segment& second) const;
+
   /// Of a veil: how much of what is behind it it hides. See CutOuts.
   float opacity(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
     return cut_outs_ ? cut_outs_->opacity(ray, mesh, triangle, time) : 1;
