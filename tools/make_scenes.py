@@ -12,8 +12,10 @@ import os
 import pathlib
 import sys
 
-SCENES = ["foliage", "blades", "wires", "hall", "still", "fan", "glass", "kitchen"]
-NEEDS = {"hall": "mannequiny", "fan": "vintage-fan", "kitchen": "bitterli-kitchen"}  # of the folder of third parties' scenes
+SCENES = ["foliage", "blades", "wires", "hall", "still", "fan", "glass", "kitchen", "big"]
+# What of the folder of third parties' scenes they need.
+NEEDS = {"hall": ["mannequiny"], "fan": ["vintage-fan"], "kitchen": ["bitterli-kitchen"],
+         "big": ["bitterli-kitchen", "dutch-ship"]}
 
 
 def main():
@@ -34,11 +36,12 @@ def main():
     if not 1 <= options.spans <= 64:
         parser.error("--spans: 1 to 64")
     for name in SCENES if "all" in options.names else options.names:
-        if name in NEEDS and not (options.scenes / NEEDS[name]).is_dir():
-            absent = f"{name}: left out; it needs {options.scenes / NEEDS[name]}, see --scenes"
+        absent = [part for part in NEEDS.get(name, []) if not (options.scenes / part).is_dir()]
+        if absent:
+            message = f"{name}: left out; it needs {options.scenes / absent[0]}, see --scenes"
             if name in options.names:
-                sys.exit(absent)
-            print(absent)
+                sys.exit(message)
+            print(message)
             continue
         folder = options.output / name
         folder.mkdir(parents=True, exist_ok=True)
