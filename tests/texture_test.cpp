@@ -48,6 +48,38 @@ TEST(Texture, IsBilinearBetweenTexelCentresAndRepeats) {
   EXPECT_TRUE(std::isfinite(texture.at({1e30f, -1e30f}, INFINITY).colour.x));
 }
 
+TEST(Texture, BeyondItsEdgesItRepeatsStopsOrTurnsBack) {
+  const Texture texture(grey(4, 1, {0, 1, 2, 3}), Texture::Encoding::srgb);
+  const auto at = [&](float x, TextureWrap wrap, float footprint = 1) {
+    return texture.at({x / 4, 0.5f}, footprint, {wrap, TextureWrap::repeat}).colour.x;
+  };
+  for (const float x : {0.0f, 0.5f, -1.0f, -100.0f}) EXPECT_EQ(at(x, TextureWrap::clamp), 0) << x;
+  for (const float x : {3.5f, 4.0f, 7.0f}) EXPECT_EQ(at(x, TextureWrap::clamp), 3) << x;
+  EXPECT_FLOAT_EQ(at(1, TextureWrap::clamp), 0.5f);
+  for (const float x : {0.25f, 0.75f, 1.75f, 3.75f}) {
+    EXPECT_FLOAT_EQ(at(-x, TextureWrap::mirror), at(x, TextureWrap::mirror)) << x;
+    EXPECT_FLOAT_EQ(at(8 - x, TextureWrap::mirror), at(x, TextureWrap::mirror)) << x;
+    EXPECT_FLOAT_EQ(at(x + 8, TextureWrap::mirror), at(x, TextureWrap::mirror)) << x;
+  }
+  EXPECT_EQ(at(4, TextureWrap::mirror), 3);
+  EXPECT_EQ(at(5.5f, TextureWrap::mirror), 2);
+  EXPECT_FLOAT_EQ(at(0, TextureWrap::clamp, 2), 0.5f) << "nothing of the other edge in coarser copies either";
+  EXPECT_FLOAT_EQ(texture.at({-3, 0.5f}, 1e9f, {TextureWrap::clamp, TextureWrap::clamp}).colour.x, 1.5f);
+  EXPECT_TRUE(std::isfinite(texture.at({NAN, INFINITY}, NAN, {TextureWrap::clamp, TextureWrap::mirror}).colour.x));
+
+  Shot shot;
+  shot.materials.resize(1);
+  shot.materials[0].base_color = {1, 1, 1};
+  shot.materials[0].texture_wrap = {TextureWrap::clamp, TextureWrap::repeat};
+  shot.textures = {{std::make_shared<const Texture>(texture), nullptr, nullptr}};
+  Mesh mesh;
+  mesh.triangles = {{0, 1, 2}};
+  mesh.positions = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
+  mesh.uvs = {{1.5f, 0.5f}, {1.5f, 0.5f}, {1.5f, 0.5f}};
+  shot.meshes = {mesh};
+  EXPECT_EQ(Looks(shot).at(0, 0, {}, {1, 0, 0}, 0).base_colour.x, 3);
+}
+
 TEST(Texture, FarAwayItIsItsMeanLight) {
   const Texture texture(checkers(64), Texture::Encoding::srgb);
   const float fine = texture.at({0.5f / 64, 0.5f / 64}, 1).colour.x,

@@ -12,6 +12,13 @@
 
 namespace kairos {
 
+/// What a picture shows beyond its edges.
+enum class TextureWrap {
+  repeat,
+  clamp,   ///< its edge
+  mirror,  ///< itself, every other time mirrored
+};
+
 struct Material {
   enum class AlphaMode { opaque, mask, blend };
 
@@ -30,8 +37,9 @@ struct Material {
   // Pictures that multiply the values above: paths, or names of Scene's embedded pictures; empty for none.
   std::string base_color_texture;  ///< its alpha multiplies `alpha`
   std::string emission_texture;
-  std::string metallic_roughness_texture;  ///< roughness in green, metallic in blue, not sRGB
-  std::string alpha_texture;               ///< its red multiplies `alpha`, in place of the base colour's
+  std::string metallic_roughness_texture;     ///< roughness in green, metallic in blue, not sRGB
+  std::string alpha_texture;                  ///< its red multiplies `alpha`, in place of the base colour's
+  std::array<TextureWrap, 2> texture_wrap{};  ///< of all of these, along u and v
 };
 
 struct PointLight {

@@ -17,7 +17,27 @@ float srgb_value(float code) {  // IEC 61966-2-1; code 0 to 1
   return code <= 0.04045f ? code / 12.92f : std::pow((code + 0.055f) / 1.055f, 2.4f);
 }
 
-int wrapped(int i, int size) { return i < 0 ? i + size : i >= size ? i - size : i; }
+/// The texel that stands for one just beyond an edge: the opposite one, or the edge itself.
+int wrapped(int i, int size, TextureWrap wrap) {
+  if (wrap != TextureWrap::repeat) return std::clamp(i, 0, size - 1);
+  return i < 0 ? i + size : i >= size ? i - size : i;
+}
+
+/// The coordinate from 0 to 1 that is meant by v.
+float inside(float v, TextureWrap wrap) {
+  if (!std::isfinite(v)) return 0;
+  switch (wrap) {
+    case TextureWrap::repeat:
+      break;
+    case TextureWrap::clamp:
+      return std::clamp(v, 0.0f, 1.0f);
+    case TextureWrap::mirror: {
+      const float turn = v - 2 * std::floor(v / 2);
+      return turn > 1 ? 2 - turn : turn;
+    }
+  }
+  return v - std::floor(v);
+}
 
 /// Which texels of a row of `from` a texel of a row of `to` covers, and how much of each: three at most.
 struct Cover {
@@ -102,11 +122,14 @@ Pixels Texture::half_of(const Pixels& level) const {
   return half;
 }
 
-Texel Texture::bilinear(const Pixels& level, Vec2f uv) const {
-  const float x = uv.x * static_cast<float>(level.width) - 0.5f, y = uv.y * static_cast<float>(level.height) - 0.5f;
-  const float left = std::floor(x), top = std::floor(y), right_weight = x - left, bottom_weight = y - top;
-  const int x0 = wrapped(static_cast<int>(left), level.width), x1 = wrapped(x0 + 1, level.width);
-  const int y0 = wrapped(static_cast<int>(top), level.height), y1 = wrapped(y0 + 1, level.height);
+Texel Texture::bilinear(const Pixels& level, Vec2f uv, std::array<TextureWrap, 2> wrap) const {
+  const float across = uv.x * static_cast<float>(level.width) - 0.5f,
+              down = uv.y * static_cast<float>(level.height) - 0.5f;
+  const float left = std::floor(across), top = std::floor(down);
+  const float right_weight = across - left, bottom_weight = down - top;
+  const int x = static_cast<int>(left), y = static_cast<int>(top);
+  const int x0 = wrapped(x, level.width, wrap[0]), x1 = wrapped(x + 1, level.width, wrap[0]);
+  const int y0 = wrapped(y, level.height, wrap[1]), y1 = wrapped(y + 1, level.height, wrap[1]);
   const Texel a = texel(level, x0, y0), b = texel(level, x1, y0), c = texel(level, x0, y1), d = texel(level, x1, y1);
   const auto mix = [&](auto p, auto q, auto r, auto s) {
     return (p * (1 - right_weight) + q * right_weight) * (1 - bottom_weight) +
@@ -115,19 +138,15 @@ Texel Texture::bilinear(const Pixels& level, Vec2f uv) const {
   return {mix(a.colour, b.colour, c.colour, d.colour), mix(a.alpha, b.alpha, c.alpha, d.alpha)};
 }
 
-Texel Texture::at(Vec2f uv, float footprint) const {
-  const auto repeated = [](float v) {
-    const float inside = v - std::floor(v);
-    return inside >= 0 && inside <= 1 ? inside : 0;  // not for what is not finite
-  };
-  uv = {repeated(uv.x), repeated(uv.y)};
+Texel Texture::at(Vec2f uv, float footprint, std::array<TextureWrap, 2> wrap) const {
+  uv = {inside(uv.x, wrap[0]), inside(uv.y, wrap[1])};
   const auto coarsest = static_cast<float>(levels_.size() - 1);
   const float level = footprint > 1 ? std::min(std::log2(footprint), coarsest) : 0;
   const auto fine = static_cast<size_t>(level);
   const float weight = level - static_cast<float>(fine);
-  const Texel below = bilinear(levels_[fine], uv);
+  const Texel below = bilinear(levels_[fine], uv, wrap);
   if (weight == 0) return below;
-  const Texel above = bilinear(levels_[fine + 1], uv);
+  const Texel above = bilinear(levels_[fine + 1], uv, wrap);
   return {lerp(below.colour, above.colour, weight), below.alpha * (1 - weight) + above.alpha * weight};
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include <kairos/scene.h>
 #include <kairos/vec.h>
 
 #include "image/pixels.h"
@@ -27,10 +28,10 @@ class Texture {
 
   Texture(Pixels pixels, Encoding encoding);
 
-  /// uv: (0, 0) is the picture's upper left corner, (1, 1) its lower right one; it repeats beyond. footprint: how wide
-  /// a piece to average over, in texels of the picture; at most 1 gives the picture itself. Bilinear in the two nearest
-  /// levels of the pyramid, linear between them.
-  Texel at(Vec2f uv, float footprint) const;
+  /// uv: (0, 0) is the picture's upper left corner, (1, 1) its lower right one. footprint: how wide a piece to average
+  /// over, in texels of the picture; at most 1 gives the picture itself. wrap: along u and v. Bilinear in the two
+  /// nearest levels of the pyramid, linear between them.
+  Texel at(Vec2f uv, float footprint, std::array<TextureWrap, 2> wrap = {}) const;
 
   int width() const { return levels_.front().width; }
   int height() const { return levels_.front().height; }
@@ -39,7 +40,7 @@ class Texture {
 
  private:
   Texel texel(const Pixels& level, int x, int y) const;
-  Texel bilinear(const Pixels& level, Vec2f uv) const;
+  Texel bilinear(const Pixels& level, Vec2f uv, std::array<TextureWrap, 2> wrap) const;
   Pixels half_of(const Pixels& level) const;
   void store(Pixels& level, size_t index, const Texel& value) const;
 

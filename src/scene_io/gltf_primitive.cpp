@@ -196,6 +196,17 @@ void keep_sound_triangles(std::vector<Triangle> all, const std::string& where, P
     }
 }
 
+void read_uvs(const Document& document, AttributeReader& attributes, Primitive& primitive) {
+  TexturePlace place;
+  if (primitive.material >= 0 && static_cast<size_t>(primitive.material) < document.texture_places.size())
+    place = document.texture_places[static_cast<size_t>(primitive.material)];
+  const std::string name = fmt::format("TEXCOORD_{}", place.set);
+  if (!attributes.has(name)) return;
+  const std::vector<float> flat = attributes.floats(name, 2);
+  primitive.uvs.resize(flat.size() / 2);
+  for (size_t i = 0; i < primitive.uvs.size(); ++i) primitive.uvs[i] = place.apply({flat[2 * i], flat[2 * i + 1]});
+}
+
 }  // namespace
 
 std::vector<Triangle> assemble_triangles(const std::vector<uint32_t>& corners, int mode) {
@@ -240,11 +251,7 @@ std::shared_ptr<const Primitive> read_primitive(Document& document, const tinygl
   primitive->positions = vectors(attributes.floats("POSITION", 3));
   keep_sound_triangles(assemble_triangles(corners, assembled_as), where, *primitive, warnings);
   read_normals(attributes, where, *primitive, warnings);
-  if (attributes.has("TEXCOORD_0")) {
-    const std::vector<float> flat = attributes.floats("TEXCOORD_0", 2);
-    primitive->uvs.resize(flat.size() / 2);
-    for (size_t i = 0; i < primitive->uvs.size(); ++i) primitive->uvs[i] = {flat[2 * i], flat[2 * i + 1]};
-  }
+  read_uvs(document, attributes, *primitive);
   read_targets(document, source, attributes, where, *primitive);
   read_influences(document, attributes, where, *primitive, warnings);
   return primitive;

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
+
+#include "scene_io/gltf_texture.h"
 
 namespace kairos::gltf {
 
@@ -21,58 +24,28 @@ constexpr double kLargest = 1e30;  // of what has no upper limit: far above any 
 /// Number `key` of extension `name`, or `otherwise`.
 double extension_number(const tinygltf::ExtensionMap& extensions, const char* name, const char* key, double otherwise) {
   const auto found = extensions.find(name);
-  if (found == extensions.end() || !found->second.Has(key)) return otherwise;
-  const tinygltf::Value& value = found->second.Get(key);
-  return value.IsNumber() ? value.GetNumberAsDouble() : otherwise;
-}
-
-std::span<const uint8_t> picture_bytes(const Document& document, const ImageSource& source) {
-  if (source.buffer_view < 0) return source.bytes;
-  const auto index = static_cast<size_t>(source.buffer_view);
-  if (index >= document.model.bufferViews.size())
-    document.fail(source.name, fmt::format("names buffer view {}, but there are {}", source.buffer_view,
-                                           document.model.bufferViews.size()));
-  const tinygltf::BufferView& view = document.model.bufferViews[index];
-  const std::string where = at("bufferViews", index);
-  if (view.buffer < 0 || static_cast<size_t>(view.buffer) >= document.buffers.size())
-    document.fail(where, fmt::format("names buffer {}, but there are {}", view.buffer, document.buffers.size()));
-  const std::span<const uint8_t> buffer = document.buffers[static_cast<size_t>(view.buffer)];
-  if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
-    document.fail(where, "reaches beyond its buffer");
-  return buffer.subspan(view.byteOffset, view.byteLength);
-}
-
-/// The path or name of a texture's picture, whose bytes join the scene if they are inside the file; empty for none.
-template <class Info>
-std::string texture_name(Document& document, const Info& info, const std::string& where, Scene& scene,
-                         Warnings& warnings) {
-  if (info.index < 0) return "";
-  const auto& textures = document.model.textures;
-  if (static_cast<size_t>(info.index) >= textures.size())
-    document.fail(where, fmt::format("names texture {}, but there are {}", info.index, textures.size()));
-  const int image = textures[static_cast<size_t>(info.index)].source;
-  if (image < 0) {
-    warnings.add(where, "a texture without an image is left out");
-    return "";
-  }
-  if (static_cast<size_t>(image) >= document.images.size())
-    document.fail(at("textures", static_cast<size_t>(info.index)),
-                  fmt::format("names image {}, but there are {}", image, document.images.size()));
-  const ImageSource& source = document.images[static_cast<size_t>(image)];
-  if (source.name.empty()) warnings.add(where, "a texture whose image has no source is left out");
-  if (source.embedded && !scene.embedded_pictures.count(source.name)) {
-    const std::span<const uint8_t> bytes = picture_bytes(document, source);
-    document.charge(bytes.size(), where);
-    scene.embedded_pictures.emplace(source.name, std::vector<uint8_t>(bytes.begin(), bytes.end()));
-  }
-  if (info.texCoord != 0)
-    warnings.add(where, "a texture that uses other coordinates than TEXCOORD_0 will be misplaced");
-  return source.name;
+  return found == extensions.end() ? otherwise : number_in(found->second, key, otherwise);
 }
 
 Vec3f color(const std::vector<double>& values, double scale, double highest) {
   return {factor(values[0] * scale, 0, highest), factor(values[1] * scale, 0, highest),
           factor(values[2] * scale, 0, highest)};
+}
+
+/// The older model of surfaces, as far as ours goes: its diffuse colour, which most of its users see most of. What it
+/// mirrors in colour is left out.
+void read_specular_glossiness(const tinygltf::Value& glossy, const std::string& where, TextureReader& textures,
+                              Material& material, Warnings& warnings) {
+  const std::vector<double> diffuse = numbers_in(glossy, "diffuseFactor", {1, 1, 1, 1});
+  material.base_color = color(diffuse, 1, 1);
+  material.alpha = factor(diffuse[3], 0, 1);
+  material.metallic = 0;
+  material.roughness = 1 - factor(number_in(glossy, "glossinessFactor", 1), 0, 1);
+  material.base_color_texture = textures.read(glossy, "diffuseTexture");
+  if (glossy.Has("specularGlossinessTexture")) {
+    material.roughness = 1;  // anything: it is in the picture
+    warnings.add(where, "a specularGlossinessTexture is left out: the surface is matt");
+  }
 }
 
 Material read_material(Document& document, const tinygltf::Material& source, const std::string& where, Scene& scene,
@@ -99,10 +72,24 @@ Material read_material(Document& document, const tinygltf::Material& source, con
     document.fail(where, "has the unknown alphaMode '" + printable(source.alphaMode) + "'");
   material.alpha_cutoff = factor(source.alphaCutoff, 0, kLargest);
   material.double_sided = source.doubleSided;
-  const auto texture = [&](const auto& info) { return texture_name(document, info, where, scene, warnings); };
-  material.base_color_texture = texture(pbr.baseColorTexture);
-  material.emission_texture = texture(source.emissiveTexture);
-  material.metallic_roughness_texture = texture(pbr.metallicRoughnessTexture);
+  TextureReader textures(document, where, scene, warnings);
+  const auto glossy = source.extensions.find("KHR_materials_pbrSpecularGlossiness");
+  if (glossy != source.extensions.end()) {
+    read_specular_glossiness(glossy->second, where, textures, material, warnings);
+  } else {
+    material.base_color_texture = textures.read(pbr.baseColorTexture);
+    material.metallic_roughness_texture = textures.read(pbr.metallicRoughnessTexture);
+  }
+  material.emission_texture = textures.read(source.emissiveTexture);
+  material.texture_wrap = textures.place().wrap;
+  document.texture_places.push_back(textures.place());
+  if (source.extensions.count("KHR_materials_unlit") != 0) {  // its colour is what it shines with
+    material.emission = std::exchange(material.base_color, {});
+    material.emission_texture = material.base_color_texture;
+    material.metallic = 0;
+    material.roughness = 1;
+    material.metallic_roughness_texture.clear();
+  }
   return material;
 }
 

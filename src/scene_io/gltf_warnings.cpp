@@ -11,31 +11,19 @@ namespace kairos::gltf {
 namespace {
 
 // What the reader understands.
-constexpr std::array<std::string_view, 6> kSupported = {"KHR_mesh_quantization",           "KHR_draco_mesh_compression",
-                                                        "KHR_materials_emissive_strength", "KHR_materials_ior",
-                                                        "KHR_materials_transmission",      "KHR_lights_punctual"};
+constexpr std::array<std::string_view, 9> kSupported = {
+    "KHR_mesh_quantization", "KHR_draco_mesh_compression", "KHR_materials_emissive_strength",
+    "KHR_materials_ior",     "KHR_materials_transmission", "KHR_lights_punctual",
+    "KHR_texture_transform", "KHR_materials_unlit",        "KHR_materials_pbrSpecularGlossiness"};
 
 // What only changes how surfaces look, or carries notes: the shapes are right without it.
-constexpr std::array<std::string_view, 20> kIgnorable = {"KHR_texture_transform",
-                                                         "KHR_texture_basisu",
-                                                         "KHR_materials_unlit",
-                                                         "KHR_materials_clearcoat",
-                                                         "KHR_materials_sheen",
-                                                         "KHR_materials_specular",
-                                                         "KHR_materials_volume",
-                                                         "KHR_materials_iridescence",
-                                                         "KHR_materials_anisotropy",
-                                                         "KHR_materials_dispersion",
-                                                         "KHR_materials_diffuse_transmission",
-                                                         "KHR_materials_variants",
-                                                         "KHR_materials_pbrSpecularGlossiness",
-                                                         "KHR_materials_common",
-                                                         "KHR_technique_webgl",
-                                                         "KHR_techniques_webgl",
-                                                         "KHR_xmp_json_ld",
-                                                         "EXT_texture_webp",
-                                                         "EXT_texture_avif",
-                                                         "MSFT_texture_dds"};
+constexpr std::array<std::string_view, 17> kIgnorable = {
+    "KHR_texture_basisu",       "KHR_materials_clearcoat",  "KHR_materials_sheen",
+    "KHR_materials_specular",   "KHR_materials_volume",     "KHR_materials_iridescence",
+    "KHR_materials_anisotropy", "KHR_materials_dispersion", "KHR_materials_diffuse_transmission",
+    "KHR_materials_variants",   "KHR_materials_common",     "KHR_technique_webgl",
+    "KHR_techniques_webgl",     "KHR_xmp_json_ld",          "EXT_texture_webp",
+    "EXT_texture_avif",         "MSFT_texture_dds"};
 
 template <size_t N>
 bool contains(const std::array<std::string_view, N>& list, const std::string& name) {

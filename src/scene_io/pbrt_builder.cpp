@@ -158,7 +158,8 @@ void Builder::add_use(Use use, const Place& place) {
 uint32_t Builder::material_index(const Alpha& alpha) {
   const Vec3f emission = now_.emission.value_or(Vec3f{});
   const MaterialKey key{
-      now_.surface, {emission.x, emission.y, emission.z}, now_.emission.has_value(), alpha.image, alpha.value};
+      now_.surface,  {emission.x, emission.y, emission.z}, now_.emission.has_value(), alpha.image, alpha.value,
+      alpha.map.wrap};
   const auto [found, is_new] = material_indices_.try_emplace(key, static_cast<uint32_t>(scene_.materials.size()));
   if (!is_new) return found->second;
   Material material = now_.surface->material;
@@ -167,6 +168,7 @@ uint32_t Builder::material_index(const Alpha& alpha) {
   if (!alpha.image.empty()) {
     if (material.alpha_mode == Material::AlphaMode::opaque) material.alpha_mode = Material::AlphaMode::mask;
     material.alpha_texture = alpha.image;
+    if (material.base_color_texture.empty()) material.texture_wrap = {alpha.map.wrap, alpha.map.wrap};
   } else if (alpha.value < 1) {
     material.alpha_mode = Material::AlphaMode::blend;
     material.alpha *= static_cast<float>(alpha.value);

@@ -79,7 +79,8 @@ class Builder {
     double value = 1;
     UvMap map;
   };
-  using MaterialKey = std::tuple<std::shared_ptr<const Surface>, std::array<float, 3>, bool, std::string, double>;
+  using MaterialKey =
+      std::tuple<std::shared_ptr<const Surface>, std::array<float, 3>, bool, std::string, double, TextureWrap>;
 
   std::shared_ptr<const Geometry> read_geometry(const std::string& kind, const Parameters& parameters);
   void add_use(Use use, const Place& place);

@@ -35,6 +35,7 @@ void Materials::set_base(Surface& surface, const Texture& texture) {
   surface.material.base_color = {unit(texture.factor.x), unit(texture.factor.y), unit(texture.factor.z)};
   surface.material.base_color_texture = texture.image;
   surface.map = texture.map;
+  surface.material.texture_wrap = {texture.map.wrap, texture.map.wrap};
 }
 
 double Materials::roughness(const Parameters& parameters, double otherwise, bool v3) {

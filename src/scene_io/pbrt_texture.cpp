@@ -54,7 +54,10 @@ Texture Textures::image(const Parameters& parameters) {
   if (mapping != "uv")
     spectrum_.warnings.add(parameters.place(), "texture mapping '" + printable(mapping) + "' is taken as 'uv'");
   const std::string wrap = parameters.string("wrap", "repeat");
-  if (wrap != "repeat") spectrum_.warnings.add(parameters.place(), "images of textures always repeat");
+  if (wrap == "clamp")
+    texture.map.wrap = TextureWrap::clamp;
+  else if (wrap != "repeat")
+    spectrum_.warnings.add(parameters.place(), "the wrap '" + printable(wrap) + "' of an image is taken as 'repeat'");
   const std::string name = parameters.string("filename", "");
   if (name.empty()) fail(parameters.place(), "an imagemap needs a 'filename'");
   if (const auto path = find_file(name, parameters.place(), spectrum_.folder, spectrum_.warnings))

@@ -4,13 +4,16 @@
 #include <map>
 #include <string>
 
+#include <kairos/scene.h>
+
 #include "scene_io/pbrt_spectrum.h"
 
 namespace kairos::pbrt {
 
-/// Where on an image a shape's texture coordinates lie: coordinate * scale + offset.
+/// Where on an image a shape's texture coordinates lie: coordinate * scale + offset; and what lies beyond it.
 struct UvMap {
   Vec2d scale{1, 1}, offset{0, 0};
+  TextureWrap wrap = TextureWrap::repeat;
   friend bool operator==(const UvMap&, const UvMap&) = default;
 };
 

@@ -65,7 +65,8 @@ void AlphaCutOuts::solid_times(const Ray& ray, const Segment& hit, std::vector<f
   const float cutoff = looks_.material(hit.mesh).alpha_cutoff;
   const AlphaPoint first = at(ray, hit.mesh, hit.triangle, hit.begin), last = at(ray, hit.mesh, hit.triangle, hit.end);
   const float texels = std::hypot(last.place.x - first.place.x, last.place.y - first.place.y);
-  const int probes = 1 + static_cast<int>(std::min(2 * texels + 1, static_cast<float>(kMostProbes)));
+  const float wanted = 2 * texels + 2;  // which may be no number
+  const int probes = wanted < static_cast<float>(kMostProbes) ? static_cast<int>(wanted) : kMostProbes;
 
   bool was_solid = first.alpha >= cutoff;
   float before = hit.begin;

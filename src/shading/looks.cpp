@@ -16,9 +16,9 @@ double uv_per_length(const std::array<Vec3d, 3>& vertices, const std::array<Vec2
   return area > 0 ? std::sqrt(std::abs(a.x * b.y - a.y * b.x) / area) : 0;
 }
 
-Texel look_up(const Texture& texture, Vec2f uv, double uv_width) {
+Texel look_up(const Texture& texture, const Material& material, Vec2f uv, double uv_width) {
   const double texels = std::sqrt(static_cast<double>(texture.width()) * texture.height());
-  return texture.at(uv, static_cast<float>(uv_width * texels));
+  return texture.at(uv, static_cast<float>(uv_width * texels), material.texture_wrap);
 }
 
 }  // namespace
@@ -49,15 +49,15 @@ Look Looks::at(uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& ver
   }
   const double uv_width = width * uv_per_length(vertices, uvs);
   if (entry.textures->base_color) {
-    const Texel texel = look_up(*entry.textures->base_color, uv, uv_width);
+    const Texel texel = look_up(*entry.textures->base_color, material, uv, uv_width);
     look.base_colour = look.base_colour * texel.colour;
     if (!entry.textures->alpha) look.alpha *= texel.alpha;
   }
-  if (entry.textures->alpha) look.alpha *= look_up(*entry.textures->alpha, uv, uv_width).colour.x;
+  if (entry.textures->alpha) look.alpha *= look_up(*entry.textures->alpha, material, uv, uv_width).colour.x;
   if (entry.textures->emission && look.emission != Vec3f{})
-    look.emission = look.emission * look_up(*entry.textures->emission, uv, uv_width).colour;
+    look.emission = look.emission * look_up(*entry.textures->emission, material, uv, uv_width).colour;
   if (entry.textures->metallic_roughness) {
-    const Texel texel = look_up(*entry.textures->metallic_roughness, uv, uv_width);
+    const Texel texel = look_up(*entry.textures->metallic_roughness, material, uv, uv_width);
     look.roughness *= texel.colour.y;
     look.metallic *= texel.colour.z;
   }
@@ -85,7 +85,7 @@ AlphaPoint Looks::alpha_at(uint32_t mesh, uint32_t triangle, const std::array<Ve
   }
   const double texels = std::sqrt(static_cast<double>(texture.width()) * texture.height());
   const auto footprint = static_cast<float>(width * uv_per_length(vertices, uvs) * texels);
-  const Texel texel = texture.at(uv, footprint);
+  const Texel texel = texture.at(uv, footprint, entries_[mesh].material->texture_wrap);
   point.alpha *= own ? texel.colour.x : texel.alpha;
   const float scale = 1 / std::max(1.0f, footprint);
   point.place = {uv.x * static_cast<float>(texture.width()) * scale,

@@ -71,17 +71,10 @@ class Sky::Picture {
   Vec3f radiance(Vec3d direction, double width) const {
     const double texel =
         is_round() ? kPi / static_cast<double>(height_) : std::sqrt(4 * kPi) / static_cast<double>(height_);  // radians
-    const double footprint = std::max(1.0, width / texel);
-    Vec2d place = place_of(light_.mapping, local(direction));
-    // Textures repeat; this picture does so from left to right at most.
-    const auto inside = [&](double v, size_t size) {
-      const double margin = std::min(0.5, 0.5 * footprint / static_cast<double>(size));
-      return std::clamp(v, margin, 1 - margin);
-    };
-    place.y = inside(place.y, height_);
-    if (!is_round()) place.x = inside(place.x, width_);
+    const Vec2d place = place_of(light_.mapping, local(direction));
+    const TextureWrap sideways = is_round() ? TextureWrap::repeat : TextureWrap::clamp;
     const Texel seen = texture_->at({static_cast<float>(place.x), static_cast<float>(place.y)},
-                                    static_cast<float>(std::min(footprint, 1e9)));
+                                    static_cast<float>(width / texel), {sideways, TextureWrap::clamp});
     return sane(seen.colour * light_.radiance);
   }
 
