@@ -185,6 +185,30 @@ TEST(StudyErrors, CodesAreEvenOverTheLogarithm) {
   EXPECT_NEAR(error.psnr, -10 * std::log10(error.mse), 1e-9);
 }
 
+TEST(StudyKeys, AreTimedAndTheFastestComesFirst) {
+  Shot shot;
+  shot.meshes.resize(1);
+  shot.meshes[0].triangles = {{0, 1, 2}};
+  shot.meshes[0].key_times = {0, 1};
+  shot.meshes[0].positions = {{{-1, 0, -2}, {1, 0, -2}, {0, 1, -2}}, {{0, 0, -2}, {2, 0, -2}, {1, 1, -2}}};
+  shot.projection.width = shot.projection.height = 16;
+  Renderer renderer(shot);
+  const std::vector<KeysTime> times = time_keys(renderer, {ShadingKind::normal, 0, 1, Clock::wall}, {0, 3, 9}, {});
+  ASSERT_EQ(times.size(), 3u);
+  int sum = 0;
+  for (size_t i = 0; i < times.size(); ++i) {
+    EXPECT_GT(times[i].seconds, 0);
+    EXPECT_GE(times[i].seconds, times[i > 0 ? i - 1 : 0].seconds);
+    sum += times[i].keys;
+  }
+  EXPECT_EQ(sum, 12);
+  RenderStats few, many;
+  RenderParams params = params_of({Method::owen_sobol, 4, 0, 0});
+  const Image own = renderer.render(params, &few);
+  params.discrete_keys = 9;
+  EXPECT_GT(error_of(own, renderer.render(params, &many), "more keys").psnr, 60) << "the same motion";
+}
+
 TEST(StudyPictures, TheBoxOfTheLargestExcessIsFound) {
   constexpr int kWidth = 9, kHeight = 6;
   std::vector<uint8_t> a(kWidth * kHeight, 100), b = a;

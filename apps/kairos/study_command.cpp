@@ -134,11 +134,11 @@ void make_quick(const CLI::App& app, StudyArguments& out) {
   const auto given = [&](const char* name) { return app.count(name) > 0; };
   study::StudyOptions& o = out.options;
   if (!given("--size")) {
-    out.scene.shot.width = 160;
-    out.scene.shot.height = 90;
+    out.scene.shot.width = 192;
+    out.scene.shot.height = 108;
   }
   if (!given("--seeds")) o.seeds = 3;
-  if (!given("--budgets")) o.budgets = {4, 16, 64, 128};
+  if (!given("--budgets")) o.budgets = {4, 16, 64, 256};
   if (!given("--tc-rays")) o.tc_rays = {1, 2, 4, 8, 16};
   if (!given("--shading-samples")) o.shading_samples = {2, 8, 32};
   if (!given("--reference-spp")) o.reference_spp = 2048;
@@ -176,7 +176,7 @@ void add_study_command(CLI::App& app, Action& chosen, const std::string& command
   add_count(command, "--reference-spp", options.reference_spp, 1, kMostSamples,
             "Samples per pixel of each half of the reference, at most");
   add_choice(command, "--clock", options.clock, study::kClockNames,
-             "cpu: the processor's time, over the number of threads; wall: time that passes");
+             "cpu: the processor's time; wall: time that passes (default: wall for more threads than one)");
   command.add_flag("--quick", arguments->quick, "Small pictures, few of them: two minutes for a small scene");
   command.add_flag("--force", options.force, "Throw away a study of other parameters in the folder");
   command.add_flag("--quiet", arguments->quiet, "No log and no progress, errors only");
@@ -188,6 +188,8 @@ void add_study_command(CLI::App& app, Action& chosen, const std::string& command
     o.shot = arguments->scene.shot;
     o.shot.strict = o.load.strict;
     o.threads = arguments->scene.threads;
+    // Threads that wait for each other use no processor, and yet take time.
+    if (o.threads != 1 && command.count("--clock") == 0) o.clock = study::Clock::wall;
     chosen = [arguments] { run_study_command(*arguments); };
   });
 }

@@ -108,24 +108,24 @@ Reference render_reference(Renderer& renderer, const Conditions& conditions, int
   return result;
 }
 
-int fastest_keys(Renderer& renderer, const Conditions& conditions, const std::vector<int>& candidates,
-                 const Progress& progress) {
-  constexpr int kSpp = 4;
-  int best = candidates.front();
-  double least = std::numeric_limits<double>::infinity();
-  if (candidates.size() == 1) return best;
+std::vector<KeysTime> time_keys(Renderer& renderer, const Conditions& conditions, const std::vector<int>& candidates,
+                                const Progress& progress) {
+  constexpr int kSpp = 4, kTimes = 2;
+  std::vector<KeysTime> times;
   for (const int keys : candidates) {
     Conditions with_keys = conditions;
     with_keys.keys = keys;
-    for (uint64_t i = 0; i < 3; ++i) {  // one to warm up
-      const double seconds =
-          measure(renderer, {Method::owen_sobol, kSpp, 0, 0}, with_keys, kReferenceSeeds[0] + i, progress).seconds;
-      if (i == 0 || seconds >= least) continue;
-      least = seconds;
-      best = keys;
-    }
+    const auto once = [&](uint64_t seed) {
+      return measure(renderer, {Method::owen_sobol, kSpp, 0, 0}, with_keys, seed, progress).seconds;
+    };
+    once(0);
+    KeysTime least{keys, once(1)};
+    for (uint64_t seed = 2; seed <= kTimes; ++seed) least.seconds = std::min(least.seconds, once(seed));
+    times.push_back(least);
   }
-  return best;
+  std::stable_sort(times.begin(), times.end(),
+                   [](const KeysTime& a, const KeysTime& b) { return a.seconds < b.seconds; });
+  return times;
 }
 
 }  // namespace kairos::study

@@ -49,9 +49,14 @@ struct Reference {
 /// Two halves of joint Owen-Sobol' discrete samples with seeds that no run has, on all of the machine's threads.
 Reference render_reference(Renderer& renderer, const Conditions& conditions, int spp, const Progress& progress);
 
-/// The RenderParams::discrete_keys among `candidates` with which discrete rays take the least time here: the less of
-/// two short renderings each.
-int fastest_keys(Renderer& renderer, const Conditions& conditions, const std::vector<int>& candidates,
-                 const Progress& progress);
+struct KeysTime {
+  int keys = 0;  ///< RenderParams::discrete_keys
+  double seconds = 0;
+};
+
+/// How long discrete rays take with each of `candidates`: the least of two short renderings, after one to warm up. The
+/// fastest comes first.
+std::vector<KeysTime> time_keys(Renderer& renderer, const Conditions& conditions, const std::vector<int>& candidates,
+                                const Progress& progress);
 
 }  // namespace kairos::study

@@ -95,15 +95,21 @@ class Study {
     const Shot shot = make_shot(*scene, options_.shot);
     for (const std::string& warning : shot.warnings) log_(fmt::format("{}: warning: {}", name, warning));
     Renderer renderer(shot);
-    if (folder_.find_scene(name) == nullptr) {
-      const bool moves =
-          std::any_of(shot.meshes.begin(), shot.meshes.end(), [](const Mesh& m) { return !m.is_static(); });
-      const int keys = moves ? fastest_keys(renderer, {ShadingKind::normal, 0, options_.threads, options_.clock},
-                                            options_.keys, progress(name + ": choosing keys", 0))
-                             : options_.keys.front();
-      folder_.add(facts_of(name, shot, keys));
-    }
+    if (folder_.find_scene(name) == nullptr) folder_.add(facts_of(name, shot, best_keys(renderer, shot, name)));
     for (const Entry& entry : entries) measure_entry(renderer, entry);
+  }
+
+  int best_keys(Renderer& renderer, const Shot& shot, const std::string& name) {
+    const bool moves =
+        std::any_of(shot.meshes.begin(), shot.meshes.end(), [](const Mesh& m) { return !m.is_static(); });
+    if (!moves || options_.keys.size() == 1) return options_.keys.front();
+    const std::vector<KeysTime> times = time_keys(renderer, {ShadingKind::normal, 0, options_.threads, options_.clock},
+                                                  options_.keys, progress(name + ": choosing keys", 0));
+    std::string list;
+    for (const KeysTime& one : times)
+      list += fmt::format("{}{} keys {:.3g} s", list.empty() ? "" : ", ", one.keys, one.seconds);
+    log_(fmt::format("{}: discrete rays with at least {}; the first is taken", name, list));
+    return times.front().keys;
   }
 
   void measure_entry(Renderer& renderer, const Entry& entry) {

@@ -1,6 +1,8 @@
 """Opens a study's page in headless Chromium and uses it: lines, sliders, pictures.
 
-Usage: study_page.py PAGE [--screenshot FILE WIDTH HEIGHT]...
+Usage: study_page.py PAGE [--screenshot FILE WIDTH HEIGHT TOP]...
+
+A screenshot is of a window of that size in pixels, with the page scrolled down to TOP.
 
 Fails on any script error, on anything that the page's own #self-test finds wrong, in a wide and in a narrow window, and when a
 real mouse cannot drag the divider. Ends with status 77 when there is no Chromium, or 1 if KAIROS_NEED_CHROMIUM is set.
@@ -148,8 +150,9 @@ def main():
     browser = Browser(program)
     try:
         problems = check(browser, url)
-        for i in range(1, len(arguments), 4):
+        for i in range(1, len(arguments), 5):
             browser.open(url, (int(arguments[i + 2]), int(arguments[i + 3])))
+            browser.value(f"window.scrollTo(0, {int(arguments[i + 4])})")
             time.sleep(0.5)
             browser.screenshot(arguments[i + 1])
     finally:
