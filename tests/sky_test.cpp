@@ -114,6 +114,25 @@ TEST(Sky, DirectionsAreAsLikelyAsTheirDensitySays) {
   }
 }
 
+TEST(Sky, LargePicturesAreCountedInCells) {
+  // One texel of 3000 x 1500 shines, in a row near the upper edge.
+  constexpr int kWidth = 3000, kHeight = 1500, kX = 1234, kY = 160;
+  Pixels pixels = even_picture(kWidth, kHeight, {0, 0, 0});
+  set(pixels, kX, kY, {1e6f, 1e6f, 1e6f});
+  const Sky sky(lit_by(std::move(pixels)));
+  const double texel = (std::cos(kY * M_PI / kHeight) - std::cos((kY + 1) * M_PI / kHeight)) * 2 * M_PI / kWidth;
+  std::mt19937 random(8);
+  std::uniform_real_distribution<float> unit(0, 0.99999f);
+  double bright = 0;
+  constexpr int kCount = 1 << 15;
+  for (int i = 0; i < kCount; ++i) {
+    const auto direction = sky.sample({unit(random), unit(random), unit(random)});
+    ASSERT_TRUE(direction);
+    bright += static_cast<double>(sky.radiance(*direction).x) / (sky.density(*direction) * kCount);
+  }
+  EXPECT_NEAR(bright, 1e6 * texel, 0.05 * 1e6 * texel);
+}
+
 TEST(Sky, PicturesAreMixedByTheirPower) {
   Shot shot = lit_by(even_picture(2, 1, {1, 1, 1}), {"", {1, 1, 1}, Mapping::latitude_longitude, skewed_axes()});
   Pixels spot = even_picture(16, 8, {});

@@ -46,6 +46,9 @@ Vec3d direction_of(EnvironmentLight::Mapping mapping, Vec2d place) {
           std::copysign(1 - radius * radius, inside)};
 }
 
+// Cells in which a picture's directions are counted: those of a picture up to 2048 x 1024 are its texels.
+constexpr double kMostCells = 1 << 21;
+
 /// Where `target` lies in a running sum that ends above it: the index, and how far into its part, 0 to 1.
 std::pair<size_t, double> find_in(const double* sums, size_t count, double target) {
   const auto above = std::upper_bound(sums, sums + count, target);
@@ -59,18 +62,21 @@ std::pair<size_t, double> find_in(const double* sums, size_t count, double targe
 class Sky::Picture {
  public:
   Picture(const EnvironmentLight& light, std::shared_ptr<const Texture> texture)
-      : light_(light),
-        texture_(std::move(texture)),
-        width_(static_cast<size_t>(texture_->width())),
-        height_(static_cast<size_t>(texture_->height())) {
+      : light_(light), texture_(std::move(texture)) {
+    const double texels = static_cast<double>(texture_->width()) * texture_->height();
+    texels_per_cell_ = std::max(1.0, std::sqrt(texels / kMostCells));
+    const auto cells = [&](int size) {
+      return static_cast<size_t>(std::max(1.0, std::floor(size / texels_per_cell_)));
+    };
+    width_ = cells(texture_->width());
+    height_ = cells(texture_->height());
     make_sums(filtered_brightness());
   }
 
   double power() const { return rows_.back(); }
 
   Vec3f radiance(Vec3d direction, double width) const {
-    const double texel =
-        is_round() ? kPi / static_cast<double>(height_) : std::sqrt(4 * kPi) / static_cast<double>(height_);  // radians
+    const double texel = (is_round() ? kPi : std::sqrt(4 * kPi)) / texture_->height();  // radians
     const Vec2d place = place_of(light_.mapping, local(direction));
     const TextureWrap sideways = is_round() ? TextureWrap::repeat : TextureWrap::clamp;
     const Texel seen = texture_->at({static_cast<float>(place.x), static_cast<float>(place.y)},
@@ -105,8 +111,8 @@ class Sky::Picture {
     return std::min(static_cast<size_t>(std::max(0.0, place * static_cast<double>(size))), size - 1);
   }
 
-  /// The mean over each texel of what radiance() gives there, which mixes it with its neighbours: what shines into a
-  /// texel from beside it must be found, too.
+  /// About the mean over each cell of what radiance() gives there, which mixes texels with their neighbours: what
+  /// shines into a cell from beside it must be found, too.
   std::vector<float> filtered_brightness() const {
     std::vector<float> plain(width_ * height_), filtered(width_ * height_);
     parallel_for(height_, 16, [&](size_t begin, size_t end) {
@@ -114,11 +120,11 @@ class Sky::Picture {
         for (size_t x = 0; x < width_; ++x) {
           const Texel texel = texture_->at({(static_cast<float>(x) + 0.5f) / static_cast<float>(width_),
                                             (static_cast<float>(y) + 0.5f) / static_cast<float>(height_)},
-                                           1);
+                                           static_cast<float>(texels_per_cell_));
           plain[y * width_ + x] = brightness(sane(texel.colour * light_.radiance));
         }
     });
-    constexpr float kOwn = 0.75f, kBeside = 0.125f;  // of a tent that is one texel wide on either side
+    constexpr float kOwn = 0.75f, kBeside = 0.125f;  // of a tent that is one cell wide on either side
     parallel_for(height_, 16, [&](size_t begin, size_t end) {
       for (size_t y = begin; y < end; ++y) {
         const size_t above = y == 0 ? y : y - 1, below = std::min(y + 1, height_ - 1);
@@ -154,9 +160,10 @@ class Sky::Picture {
 
   EnvironmentLight light_;
   std::shared_ptr<const Texture> texture_;
-  size_t width_, height_;
-  std::vector<double> columns_;  // [y][x]: running sums of weights in each row
-  std::vector<double> rows_;     // [y]: of the rows' sums
+  double texels_per_cell_ = 1;     // along each side
+  size_t width_ = 1, height_ = 1;  // in cells
+  std::vector<double> columns_;    // [y][x]: running sums of weights in each row
+  std::vector<double> rows_;       // [y]: of the rows' sums
 };
 
 Sky::Sky(const Shot& shot) {
