@@ -22,7 +22,8 @@ constexpr float kLeastWeight = 1.0f / 512;
 // How many panes of glass a shadow ray goes through.
 constexpr int kMostPanes = 32;
 // Branches of a sample's key.
-constexpr uint64_t kAreaBranch = 11, kEnvironmentBranch = 12, kMirrorBranch = 13, kThroughBranch = 14, kSkyBranch = 15;
+constexpr uint64_t kAreaBranch = 11, kEnvironmentBranch = 12, kMirrorBranch = 13, kThroughBranch = 14, kSkyBranch = 15,
+                   kScatterBranch = 16;
 
 float largest(Vec3f c) { return std::max({c.x, c.y, c.z}); }
 double largest_coordinate(Vec3d p) { return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); }
@@ -171,38 +172,33 @@ Vec3f Whitted::direct(const Point& point, const Instant& instant, SampleKey key)
   return colour;
 }
 
-/// One direction, chosen by one of three ways that each suit some surfaces and skies, and weighed by the mean of their
-/// densities: the balance heuristic of E. Veach and L. Guibas 1995.
+/// Two directions: one by the sky's brightness, one by how the surface scatters. Each is weighed as if either could
+/// have been chosen either way: the balance heuristic of E. Veach and L. Guibas 1995.
 Vec3f Whitted::from_sky(const Point& point, const Instant& instant, SampleKey key) const {
   const Sky& sky = lights_.sky();
   const Reflectance& shares = point.shares;
-  std::array<float, 3> sample = light_point(key.branch(kSkyBranch));
-  constexpr float kBySky = 0.5f;
-  const float even = largest(shares.diffuse), by_cosine = (1 - kBySky) * even / (even + largest(shares.highlight));
-  Vec3d direction;
-  if (sample[2] < kBySky) {
-    sample[2] /= kBySky;
-    const auto chosen = sky.sample(sample);
-    if (!chosen) return {};  // all black
-    direction = instant.place.vector_from_world(*chosen);
-  } else if (sample[2] < kBySky + by_cosine) {
-    direction = cosine_direction(point.normal, sample[0], sample[1]);
-  } else {
-    direction = lobe_direction(point.normal, point.to_viewer, shares.alpha, sample[0], sample[1]);
-  }
-  const double cosine = dot(point.normal, direction);
-  if (!(cosine > 0) || !(dot(point.face, direction) > 0)) return {};
-  const Vec3d in_world = instant.place.vector_to_world(direction);
-  const double density = static_cast<double>(kBySky) * sky.density(in_world) +
-                         static_cast<double>(by_cosine) * cosine / kPi +
-                         static_cast<double>(1 - kBySky - by_cosine) *
-                             lobe_density(point.normal, point.to_viewer, direction, shares.alpha);
-  if (!(density > 0)) return {};
-  const Vec3f open = transmittance(point, direction, std::numeric_limits<double>::infinity(), instant);
-  if (open == Vec3f{}) return {};
-  const double lobe = highlight_lobe(point.normal, point.to_viewer, direction, shares.alpha);
-  return (shares.diffuse * static_cast<float>(1 / kPi) + shares.highlight * static_cast<float>(lobe)) *
-         (sky.radiance(in_world) * open * static_cast<float>(cosine / density));
+  const auto even = static_cast<double>(largest(shares.diffuse));
+  const double by_cosine = even / (even + static_cast<double>(largest(shares.highlight)));
+  const auto seen_in = [&](Vec3d direction) -> Vec3f {
+    const double cosine = dot(point.normal, direction);
+    if (!(cosine > 0) || !(dot(point.face, direction) > 0)) return {};
+    const Vec3d in_world = instant.place.vector_to_world(direction);
+    const double density = sky.density(in_world) + by_cosine * cosine / kPi +
+                           (1 - by_cosine) * lobe_density(point.normal, point.to_viewer, direction, shares.alpha);
+    const Vec3f radiance = sky.radiance(in_world);
+    if (!(density > 0) || radiance == Vec3f{}) return {};
+    const Vec3f open = transmittance(point, direction, std::numeric_limits<double>::infinity(), instant);
+    const double lobe = highlight_lobe(point.normal, point.to_viewer, direction, shares.alpha);
+    return (shares.diffuse * static_cast<float>(1 / kPi) + shares.highlight * static_cast<float>(lobe)) *
+           (radiance * open * static_cast<float>(cosine / density));
+  };
+  const auto bright = sky.sample(light_point(key.branch(kSkyBranch)));
+  if (!bright) return {};  // all black
+  const std::array<float, 3> sample = light_point(key.branch(kScatterBranch));
+  const Vec3d scattered = static_cast<double>(sample[2]) < by_cosine
+                              ? cosine_direction(point.normal, sample[0], sample[1])
+                              : lobe_direction(point.normal, point.to_viewer, shares.alpha, sample[0], sample[1]);
+  return seen_in(instant.place.vector_from_world(*bright)) + seen_in(scattered);
 }
 
 Vec3f Whitted::transmittance(const Point& point, Vec3d direction, double dist, const Instant& instant) const {
