@@ -169,7 +169,7 @@ TEST(StudyErrors, CodesAreEvenOverTheLogarithm) {
   Image image = reference;
   for (const char* name : {"R", "G", "B"}) {
     reference.channels.push_back({name, Channel::Storage::colour, {0.5f, 0.5f, 0, 2}});
-    image.channels.push_back({name, Channel::Storage::colour, {0.5f, 0.51f, 1, 0}});
+    image.channels.push_back({name, Channel::Storage::colour, {0.5f, 0.51f, 1, -0.5f}});
   }
   const std::vector<uint8_t> codes = error_codes(reference, image);
   EXPECT_EQ(codes[0], 0);
@@ -180,8 +180,8 @@ TEST(StudyErrors, CodesAreEvenOverTheLogarithm) {
   EXPECT_NEAR(difference_of(128), 0.01, 2e-4);
   EXPECT_EQ(difference_of(255), 1);
   const PictureError error = error_of(reference, image, "it");
-  EXPECT_NEAR(error.mse, (1e-4 + 1 + 4) / 4, 1e-6);
-  EXPECT_NEAR(error.relative_mse, (1e-4 / 0.26 + 1 / 0.01 + 4 / 4.01) / 4, 1e-4);
+  EXPECT_NEAR(error.mse, (1e-4 + 1 + 1.5 * 1.5) / 4, 1e-6) << "2 counts as 1";
+  EXPECT_NEAR(error.relative_mse, (1e-4 / 0.26 + 1 / 0.01 + 2.5 * 2.5 / 4.01) / 4, 1e-4) << "and here as 2";
   EXPECT_NEAR(error.psnr, -10 * std::log10(error.mse), 1e-9);
 }
 

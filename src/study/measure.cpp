@@ -21,6 +21,12 @@ double clock_seconds(const RenderStats& stats, Clock clock) {
   return clock == Clock::wall ? stats.render_seconds : stats.render_cpu_seconds / stats.threads;
 }
 
+/// The squared difference, as a display shows it.
+double square_shown(float expected, float got) {
+  const double off = static_cast<double>(std::min(got, 1.0f)) - static_cast<double>(std::min(expected, 1.0f));
+  return off * off;
+}
+
 RenderParams params_under(const Conditions& conditions, const Setting& setting, uint64_t seed) {
   RenderParams params = params_of(setting);
   params.shading = conditions.shading;
@@ -33,26 +39,26 @@ RenderParams params_under(const Conditions& conditions, const Setting& setting, 
 }  // namespace
 
 PictureError error_of(const Image& reference, const Image& image, const std::string& place) {
-  const Difference plain = difference(reference, image, place);
-  double sum = 0;
+  difference(reference, image, place);  // do they fit each other?
+  double sum = 0, relative = 0;
   for (const char* name : kColours) {
     const std::vector<float>&expected = reference.find(name)->values, &got = image.find(name)->values;
     for (size_t i = 0; i < got.size(); ++i) {
       const auto right = static_cast<double>(expected[i]), off = static_cast<double>(got[i]) - right;
-      sum += off * off / (right * right + kRelativeFloor);
+      sum += square_shown(expected[i], got[i]);
+      relative += off * off / (right * right + kRelativeFloor);
     }
   }
-  return {plain.mse, plain.psnr, sum / (3.0 * static_cast<double>(image.find("R")->values.size()))};
+  const double count = 3.0 * static_cast<double>(image.find("R")->values.size()), mse = sum / count;
+  const double psnr = mse > 0 ? -10 * std::log10(mse) : std::numeric_limits<double>::infinity();
+  return {mse, psnr, relative / count};
 }
 
 std::vector<uint8_t> error_codes(const Image& reference, const Image& image) {
   std::vector<double> squares(image.find("R")->values.size());
   for (const char* name : kColours) {
     const std::vector<float>&expected = reference.find(name)->values, &got = image.find(name)->values;
-    for (size_t i = 0; i < squares.size(); ++i) {
-      const double off = static_cast<double>(got[i]) - static_cast<double>(expected[i]);
-      squares[i] += off * off / 3;
-    }
+    for (size_t i = 0; i < squares.size(); ++i) squares[i] += square_shown(expected[i], got[i]) / 3;
   }
   std::vector<uint8_t> codes;
   for (const double square : squares) {

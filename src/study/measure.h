@@ -10,12 +10,14 @@
 
 namespace kairos::study {
 
-/// Between linear colours, over all pixels and R, G, B: mean squared difference; PSNR with a peak of 1, as compare has
-/// it; and the mean of difference^2 / (reference^2 + 0.01). Throws Error(bad_input) as difference() does.
+/// Between linear colours, over all pixels and R, G, B. Mean squared difference, and PSNR with a peak of 1, of values
+/// of which those above 1 count as 1, as a display shows them: else a few pixels that see a lamp would decide
+/// everything. The mean of difference^2 / (reference^2 + 0.01), of the values as they are. Throws Error(bad_input) as
+/// difference() does.
 PictureError error_of(const Image& reference, const Image& image, const std::string& place);
 
-/// Per pixel, the root of the mean over R, G, B of the squared difference, as a code of 8 bits that is even on a
-/// logarithmic scale: 0 for 1e-4 and less, 255 for 1 and more.
+/// Per pixel, the root of the mean over R, G, B of the squared difference that counts for PSNR, as a code of 8 bits
+/// that is even on a logarithmic scale: 0 for 1e-4 and less, 255 for 1 and more.
 std::vector<uint8_t> error_codes(const Image& reference, const Image& image);
 /// The difference that a code stands for.
 double difference_of(uint8_t error_code);

@@ -215,8 +215,10 @@ PagePictures pictures_of(const EntrySummary& entry, const StudyFolder& folder) {
       EqualTime pair{name, mark->setting.spp, seconds, point->setting, {}};
       const auto &before = album.errors(name_of(mark->setting)).codes,
                  &after = album.errors(name_of(point->setting)).codes;
-      pair.crops.push_back(make_crop(album, all, largest_excess(before, after, reference.width, size), true));
-      pair.crops.push_back(make_crop(album, all, largest_excess(after, before, reference.width, size), false));
+      if (before != after) {
+        pair.crops.push_back(make_crop(album, all, largest_excess(before, after, reference.width, size), true));
+        pair.crops.push_back(make_crop(album, all, largest_excess(after, before, reference.width, size), false));
+      }
       page.pairs.push_back(std::move(pair));
     }
   }

@@ -36,8 +36,8 @@ struct EqualTime {
   std::string series;
   int spp = 0;  ///< of the baseline: its time is the one meant
   double seconds = 0;
-  Setting setting;  ///< of the method
-  std::vector<Crop> crops;
+  Setting setting;          ///< of the method
+  std::vector<Crop> crops;  ///< none where both are equally far from the reference
 };
 
 struct PagePictures {

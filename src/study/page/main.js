@@ -2,12 +2,13 @@
 
 function sectionOf(entry) {
   const seeds = DATA.parameters.seeds;
-  const keys = entry.keys ? `at least ${entry.keys} motion keys` : 'the scene’s own motion keys';
+  const which = entry.keys ? `at least ${entry.keys} motion keys` : 'the scene’s own motion keys';
+  const keys = entry.moving_triangles ? `of which ${count(entry.moving_triangles)} move. Discrete rays have ${which}, which was the fastest ` +
+    `of ${DATA.parameters.keys.join(', ')} (0: the scene’s own).` : 'of which none moves.';
   const near = entry.series.some((s) => s.points.some((p) => p.near_reference));
   return make('section', {class: 'entry', id: entry.name},
     make('h2', {}, `${entry.scene}, ${entry.shading} shading`),
-    make('p', {class: 'soft'}, `${entry.width} × ${entry.height} pixels, ${count(entry.triangles)} triangles, of which ` +
-      `${count(entry.moving_triangles)} move. Discrete rays have ${keys}, which was the fastest of what was tried. Reference: 2 × ` +
+    make('p', {class: 'soft'}, `${entry.width} × ${entry.height} pixels, ${count(entry.triangles)} triangles, ${keys} Reference: 2 × ` +
       `${count(entry.reference_spp)} samples per pixel in ${duration(entry.reference_seconds)}; its own error, by its halves: ` +
       `${fixed(entry.reference_psnr, 1)} dB. ${seeds} seed${seeds === 1 ? '' : 's'}.`),
     near ? make('p', {class: 'warning'}, 'Some points are less than 10 dB below the reference’s own error; the plots mark the region, the ' +
@@ -34,7 +35,8 @@ function colophon() {
     if (value !== null && value !== '' && !(name in DATA.machine)) add(name, Array.isArray(value) ? value.join(', ') : String(value));
   return [make('h3', {}, 'How this was measured'),
     make('p', {}, `Errors are between linear colours, over all pixels and the three channels, with a box filter of one pixel. PSNR has a peak ` +
-      `of 1: −10 log₁₀ of the mean squared error. Relative MSE is the mean of difference² / (reference² + 0.01). Time is that of rendering ` +
+      `of 1: −10 log₁₀ of the mean squared error, and what is brighter counts as 1. Relative MSE is the mean of difference² / (reference² + ` +
+      `0.01), of colours as they are. Time is that of rendering ` +
       `alone (${DATA.parameters.clock === 'cpu' ? 'processor time over threads' : 'wall clock'}, ${DATA.parameters.threads} ` +
       `thread${DATA.parameters.threads === 1 ? '' : 's'}); what is shorter than 0.15 s is rendered several times and the median taken. All ` +
       `methods take turns in one process, in one order for odd seeds and in the other for even ones.`),

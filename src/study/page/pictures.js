@@ -115,6 +115,7 @@ function cropsOf(entry) {
       make('div', {class: 'crops'}, ...crop.views.map((view) => make('figure', {},
         make('img', {src: view.image, alt: `${view.label}, enlarged`}),
         make('figcaption', {}, make('b', {}, view.label), view.psnr === null ? '' : ` ${fixed(view.psnr, 1)} dB here`)))))));
+    if (pair.crops.length === 0) body.append(make('p', {class: 'soft'}, `${pair.name} and owen-sobol-${pair.spp} are equally far from the reference everywhere.`));
     for (const button of box.querySelectorAll('.choice button'))
       button.setAttribute('aria-pressed', button.dataset.name === `${pair.name}@${pair.spp}`);
   };

@@ -52,6 +52,7 @@ function plotOf(entry, kind, groups) {
   if (all.length === 0) return figure;
   const x = scaleOf(all.map((p) => p.seconds[0]), true, left, width - right);
   const y = scaleOf(all.map((p) => p[kind][0]), logarithmic, height - bottom, top);
+  const inside = (place) => Math.min(height - bottom, Math.max(top, place));  // wide intervals end at the frame
   const title = kind === 'psnr' ? 'PSNR, dB' : 'relative MSE';
   const svg = makeSvg('svg', {viewBox: `0 0 ${width} ${height}`, role: 'img',
     'aria-label': `${title} against rendering time, ${entry.name}`});
@@ -93,7 +94,7 @@ function plotOf(entry, kind, groups) {
       const [px, py] = [x(point.seconds[0]), y(point[kind][0])];
       const [low, high] = [point[kind][1], point[kind][2]];
       if (low !== null && !(logarithmic && low <= 0) && !look.thin)
-        group.append(makeSvg('line', {x1: px, x2: px, y1: y(low), y2: y(high), stroke: look.colour, 'stroke-opacity': 0.6}));
+        group.append(makeSvg('line', {x1: px, x2: px, y1: inside(y(low)), y2: inside(y(high)), stroke: look.colour, 'stroke-opacity': 0.6}));
       group.append(marker(look.shape, px, py, look.colour, look.thin ? 3 : 4.5));
       const hit = makeSvg('circle', {class: 'hit', cx: px, cy: py, r: 11, tabindex: 0, 'aria-label': tipText(series, point, entry)});
       for (const event of ['pointerenter', 'focus']) hit.addEventListener(event, () => show(series, point));
