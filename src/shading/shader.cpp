@@ -12,7 +12,7 @@ Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_dep
                std::shared_ptr<const DiscreteScene> discrete)
     : shot_(shot),
       looks_(std::make_unique<const Looks>(shot)),
-      sky_(std::make_unique<const Sky>(shot)),
+      sky_(std::make_unique<const Sky>(shot, kind == ShadingKind::whitted)),
       cone_(shot.projection),
       kind_(kind),
       want_normal_(want_normal || kind == ShadingKind::normal) {

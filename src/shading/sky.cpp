@@ -61,8 +61,9 @@ std::pair<size_t, double> find_in(const double* sums, size_t count, double targe
 
 class Sky::Picture {
  public:
-  Picture(const EnvironmentLight& light, std::shared_ptr<const Texture> texture)
+  Picture(const EnvironmentLight& light, std::shared_ptr<const Texture> texture, bool is_light)
       : light_(light), texture_(std::move(texture)) {
+    if (!is_light) return;
     const double texels = static_cast<double>(texture_->width()) * texture_->height();
     texels_per_cell_ = std::max(1.0, std::sqrt(texels / kMostCells));
     const auto cells = [&](int size) {
@@ -73,7 +74,7 @@ class Sky::Picture {
     make_sums(filtered_brightness());
   }
 
-  double power() const { return rows_.back(); }
+  double power() const { return rows_.empty() ? 0 : rows_.back(); }
 
   Vec3f radiance(Vec3d direction, double width) const {
     const double texel = (is_round() ? kPi : std::sqrt(4 * kPi)) / texture_->height();  // radians
@@ -166,11 +167,11 @@ class Sky::Picture {
   std::vector<double> rows_;       // [y]: of the rows' sums
 };
 
-Sky::Sky(const Shot& shot) {
+Sky::Sky(const Shot& shot, bool is_light) {
   for (size_t i = 0; i < shot.lights.size(); ++i) {
     const auto* light = std::get_if<EnvironmentLight>(&shot.lights[i]);
     if (light == nullptr || i >= shot.light_textures.size() || !shot.light_textures[i]) continue;
-    pictures_.emplace_back(*light, shot.light_textures[i]);
+    pictures_.emplace_back(*light, shot.light_textures[i], is_light);
     power_ += pictures_.back().power();
   }
 }

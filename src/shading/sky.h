@@ -16,7 +16,8 @@ class Texture;
 /// many threads at once.
 class Sky {
  public:
-  explicit Sky(const Shot& shot);
+  /// is_light: sample() and density() will be asked for; what they need takes time to make.
+  explicit Sky(const Shot& shot, bool is_light = true);
   ~Sky();
 
   bool empty() const { return pictures_.empty(); }
