@@ -25,8 +25,9 @@ def main():
     parser.add_argument("-o", "--output", type=pathlib.Path, required=True, metavar="DIR")
     parser.add_argument("--scale", type=float, default=1.0, help="how many things there are, relative to usual (%(default)s)")
     parser.add_argument("--spans", type=int, default=1, help="key spans of what deforms (%(default)s)")
-    parser.add_argument("--scenes", type=pathlib.Path, default=pathlib.Path(os.environ.get("KAIROS_SCENES", "../shared/scenes")),
-                        metavar="FOLDER", help="third parties' scenes; $KAIROS_SCENES or %(default)s")
+    third_parties = pathlib.Path(os.environ.get("KAIROS_SCENES", "../shared/scenes"))
+    parser.add_argument("--scenes", type=pathlib.Path, default=third_parties, metavar="FOLDER",
+                        help="third parties' scenes; $KAIROS_SCENES or %(default)s")
     options = parser.parse_args()
     unknown = [name for name in options.names if name not in SCENES and name != "all"]
     if unknown:

@@ -107,8 +107,8 @@ void add_compare_command(CLI::App& app, Action& chosen) {
       ->excludes("--side-by-side");
   compare.callback([out, &chosen] {
     if (out->frames) {
-      FrameName("REFERENCE", out->reference);
-      for (const std::string& image : out->images) FrameName("IMAGE", image);
+      FrameName::check("REFERENCE", out->reference);
+      for (const std::string& image : out->images) FrameName::check("IMAGE", image);
     }
     if (!out->labels.empty() && out->labels.size() != out->images.size())
       throw CLI::ValidationError("--labels", fmt::format("{} labels for {} pictures; give each picture one",

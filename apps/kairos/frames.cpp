@@ -48,6 +48,10 @@ FrameName::FrameName(const std::string& option, std::string_view text) {
   if (!found) refuse("has no place for the frame's number");
 }
 
+void FrameName::check(const std::string& option, std::string_view text) {
+  [[maybe_unused]] const FrameName parsed(option, text);
+}
+
 std::string FrameName::at(int frame) const { return fmt::format("{}{:0{}}{}", before_, frame, digits_, after_); }
 
 }  // namespace kairos::cli

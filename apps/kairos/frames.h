@@ -23,6 +23,9 @@ class FrameName {
   /// Throws CLI::ValidationError that names the option where the text is no such name.
   FrameName(const std::string& option, std::string_view text);
 
+  /// Throws as the constructor does.
+  static void check(const std::string& option, std::string_view text);
+
   std::string at(int frame) const;
 
  private:

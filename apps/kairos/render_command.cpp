@@ -223,8 +223,8 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
   command.add_flag("--quiet", arguments->quiet, "No log and no progress, errors only");
   command.callback([arguments, &chosen] {
     if (arguments->frames) {
-      FrameName("--output", arguments->out);
-      if (!arguments->stats_file.empty()) FrameName("--stats-file", arguments->stats_file);
+      FrameName::check("--output", arguments->out);
+      if (!arguments->stats_file.empty()) FrameName::check("--stats-file", arguments->stats_file);
     }
     arguments->params.threads = arguments->scene.threads;
     const std::vector<Aov>& aovs = arguments->params.aovs;
