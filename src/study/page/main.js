@@ -19,8 +19,8 @@ function sectionOf(entry) {
       'worse. A dash: one of the two curves does not reach there.'),
     comparisonsOf(entry),
     make('h3', {}, 'Pictures'),
-    make('p', {class: 'soft'}, 'Of the first seed. Pictures come in groups of about the same time: that of 16, 64 and 256 samples of owen-sobol, or of the most that it has. Drag the ' +
-      'divider.'),
+    make('p', {class: 'soft'}, 'Of the first seed, in groups of about the same time: that of 16, 64 and 256 samples of owen-sobol, or of the ' +
+      'most that it has. Drag the divider.'),
     sliderOf(entry),
     make('h3', {}, 'In equal time, enlarged'), cropsOf(entry),
     make('h3', {}, 'Numbers'), pointsTable(entry));
