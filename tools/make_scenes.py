@@ -12,7 +12,7 @@ import os
 import pathlib
 import sys
 
-SCENES = ["foliage", "blades", "wires", "hall", "still", "fan", "glass", "kitchen", "big"]
+SCENES = ["foliage", "blades", "wires", "hall", "still", "fan", "glass", "marbles", "bars", "kitchen", "big"]
 # What of the folder of third parties' scenes they need.
 NEEDS = {"hall": ["mannequiny"], "fan": ["vintage-fan"], "kitchen": ["bitterli-kitchen"],
          "big": ["bitterli-kitchen", "dutch-ship"]}

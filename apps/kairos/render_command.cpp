@@ -196,8 +196,10 @@ void add_sampling_options(CLI::App& app, RenderArguments& out) {
   add_count(app, "--spp", params.spp, 1, kMostSamples,
             "Samples per pixel of qmc; of mixed: discrete rays; of auto: the budget");
   add_choice(app, "--sampler", params.sampler, kSamplerNames, "Where in the pixel, and when, samples are taken");
-  add_choice(app, "--shading", params.shading, kShadingNames,
-             "normal: |normal| as colour; flat: base colour, unlit; whitted: lit, with shadows, mirrors and glass");
+  add_choice(app, "--shading", params.shading, kAllShadingNames,
+             "normal: |normal| as colour; flat: base colour, unlit; whitted: lit, with shadows, mirrors and glass; "
+             "bounds: blue to red, for how long rays meet moving meshes' boxes as the kernels see it, bounds-exact: "
+             "as it is");
   add_count(app, "--max-depth", params.max_depth, 0, 64, "whitted: how often a ray may be reflected or refracted");
   add_count(app, "--seed", params.seed, 0, UINT64_MAX, "Another seed gives another noise");
   add_instruction_set(app, params.instruction_set);

@@ -28,6 +28,10 @@ enum class ShadingKind {
   normal,   ///< (|n.x|, |n.y|, |n.z|) of the unit normal in world space: the mesh's own, or the triangle's
   flat,     ///< base colour plus emission, unlit
   whitted,  ///< lit, with shadows, mirrors and glass
+  // No surfaces, whatever the integrator: from blue (never) to red (all of the shutter), for how long a ray meets the
+  // box of a moving mesh, which moves linearly from key to key.
+  bounds,        ///< as the kernels' test of tree nodes says, which may say too much
+  bounds_exact,  ///< as it is
 };
 /// What gets a shading sample of its own along a time-continuous ray.
 enum class Clusters {

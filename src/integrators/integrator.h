@@ -56,6 +56,8 @@ inline constexpr uint32_t kRaysPerPoll = 64;
 // What the integrator takes of `parts` and `context` must outlive it.
 std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderParams& params,
                                                const PixelContext& context, RenderStats& stats);
+std::unique_ptr<Integrator> make_bounds_integrator(const Shot& shot, const RenderParams& params,
+                                                   const PixelContext& context, RenderStats& stats);
 std::unique_ptr<Integrator> make_mixed_integrator(ShotParts& parts, const RenderParams& params,
                                                   const PixelContext& context, RenderStats& stats);
 std::unique_ptr<Integrator> make_qmc_integrator(ShotParts& parts, const RenderParams& params,

@@ -18,6 +18,13 @@ inline constexpr std::pair<std::string_view, SamplerKind> kSamplerNames[] = {
     {"random", SamplerKind::random}};
 inline constexpr std::pair<std::string_view, ShadingKind> kShadingNames[] = {
     {"normal", ShadingKind::normal}, {"flat", ShadingKind::flat}, {"whitted", ShadingKind::whitted}};
+/// With those that show no surfaces.
+inline constexpr std::pair<std::string_view, ShadingKind> kAllShadingNames[] = {
+    {"normal", ShadingKind::normal},
+    {"flat", ShadingKind::flat},
+    {"whitted", ShadingKind::whitted},
+    {"bounds", ShadingKind::bounds},
+    {"bounds-exact", ShadingKind::bounds_exact}};
 inline constexpr std::pair<std::string_view, FilterKind> kFilterNames[] = {
     {"box", FilterKind::box}, {"gaussian", FilterKind::gaussian}, {"blackman-harris", FilterKind::blackman_harris}};
 inline constexpr std::pair<std::string_view, Aov> kAovNames[] = {

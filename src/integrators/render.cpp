@@ -58,8 +58,11 @@ int sample_count(const RenderParams& params) {
   return 0;
 }
 
+bool shows_bounds(ShadingKind kind) { return kind == ShadingKind::bounds || kind == ShadingKind::bounds_exact; }
+
 std::unique_ptr<Integrator> make_integrator(ShotParts& parts, const RenderParams& params, const PixelContext& context,
                                             RenderStats& stats) {
+  if (shows_bounds(params.shading)) return make_bounds_integrator(parts.shot(), params, context, stats);
   switch (params.integrator) {
     case IntegratorKind::tc:
       return make_tc_integrator(parts, params, context, stats);
@@ -104,7 +107,8 @@ void render_tiles(const Integrator& integrator, const Shot& shot, const RenderPa
 void describe(Image& image, const Shot& shot, const RenderParams& params, const RenderStats& stats, uint32_t samples) {
   const auto put = [&](const char* name, auto value) { image.attributes.push_back({name, value}); };
   put("kairos:version", std::string(version()));
-  put("kairos:integrator", std::string(name_of(kIntegratorNames, params.integrator)));
+  if (!shows_bounds(params.shading))
+    put("kairos:integrator", std::string(name_of(kIntegratorNames, params.integrator)));
   put("kairos:samples", static_cast<int>(samples));
   if (params.integrator == IntegratorKind::mixed) put("kairos:tc_rays", params.tc_rays);
   if (params.integrator != IntegratorKind::qmc) {
@@ -112,7 +116,7 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
     put("kairos:clusters", std::string(shading_options(params).clusters ? "on" : "off"));
   }
   put("kairos:sampler", std::string(name_of(kSamplerNames, params.sampler)));
-  put("kairos:shading", std::string(name_of(kShadingNames, params.shading)));
+  put("kairos:shading", std::string(name_of(kAllShadingNames, params.shading)));
   if (params.shading == ShadingKind::whitted) put("kairos:max_depth", params.max_depth);
   put("kairos:filter", std::string(name_of(kFilterNames, params.filter)));
   put("kairos:seed", std::to_string(params.seed));

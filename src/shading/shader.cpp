@@ -79,6 +79,8 @@ Shade Shader::shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time
     case ShadingKind::normal:
       shade.colour = {std::abs(shade.normal.x), std::abs(shade.normal.y), std::abs(shade.normal.z)};
       break;
+    case ShadingKind::bounds:  // shows no surfaces, and so does not ask
+    case ShadingKind::bounds_exact:
     case ShadingKind::flat:
       shade.colour = seen.base_colour + seen.emission;
       break;
