@@ -14,6 +14,7 @@ Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_dep
       looks_(std::make_unique<const Looks>(shot)),
       sky_(std::make_unique<const Sky>(shot, kind == ShadingKind::whitted)),
       cone_(shot.projection),
+      world_from_camera_(shot),
       kind_(kind),
       want_normal_(want_normal || kind == ShadingKind::normal) {
   cut_outs_ = std::make_shared<const AlphaCutOuts>(shot, *looks_);
@@ -27,10 +28,6 @@ Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_dep
     const bool still = mesh.is_static() && mesh.normals.size() < 2 && !shot.camera_moves;
     varies_.push_back(whitted_ || ((want_normal_ || looks_->is_textured(m)) && !still));
   }
-  if (!shot.world_from_camera)
-    world_from_camera_ = {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
-  else if (!shot.camera_moves)
-    world_from_camera_ = shot.world_from_camera(0);
 }
 
 bool Shader::joined(const Segment& first, const Segment& second) const {
@@ -50,13 +47,13 @@ Vec3f Shader::normal(const Ray& ray, uint32_t mesh_index, uint32_t triangle, flo
     if (own != Vec3f{}) return own;
   }
   const Vec3d n = geometric_normal(vertices);
-  const std::array<Vec3d, 3> axes = axes_at(time);
+  const auto axes = world_from_camera_.at(time);
   return to_float(normalize(axes[0] * n.x + axes[1] * n.y + axes[2] * n.z));
 }
 
 Vec3f Shader::sky(const Ray& ray, float time) const {
   if (!has_sky()) return shot_.background;
-  const std::array<Vec3d, 3> axes = axes_at(time);
+  const std::array<Vec3d, 3> axes = world_from_camera_.at(time);
   const Vec3d along = normalize(to_double(ray.direction));
   return shot_.background + sky_->radiance(axes[0] * along.x + axes[1] * along.y + axes[2] * along.z, cone_.spread());
 }

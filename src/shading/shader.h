@@ -8,6 +8,7 @@
 
 #include <kairos/render.h>
 
+#include "shading/camera_axes.h"
 #include "shading/cut_outs.h"
 #include "shading/light_points.h"
 #include "shading/looks.h"
@@ -55,10 +56,6 @@ class Shader {
   const std::shared_ptr<const AlphaCutOuts>& cut_outs() const { return cut_outs_; }
 
  private:
-  /// Columns: the shot's axes in the world.
-  std::array<Vec3d, 3> axes_at(float time) const {
-    return world_from_camera_ ? *world_from_camera_ : shot_.world_from_camera(static_cast<double>(time));
-  }
   Vec3f normal(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;
   Look look(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, double& width) const;
 
@@ -66,12 +63,12 @@ class Shader {
   std::unique_ptr<const Looks> looks_;  // which whitted_ points to
   std::unique_ptr<const Sky> sky_;
   PixelCone cone_;
+  CameraAxes world_from_camera_;
   std::shared_ptr<const AlphaCutOuts> cut_outs_;
   std::unique_ptr<const Whitted> whitted_;  // where it is wanted
   std::vector<bool> varies_;                // [mesh]
   ShadingKind kind_;
   bool want_normal_;
-  std::optional<std::array<Vec3d, 3>> world_from_camera_;  // when the camera stands still
 };
 
 }  // namespace kairos
