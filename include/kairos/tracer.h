@@ -81,6 +81,7 @@ struct TracerOptions {
   Precision precision = Precision::exact;
   std::optional<InstructionSet> instruction_set;      ///< unset: the best one
   std::shared_ptr<const CutOuts> cut_outs = nullptr;  ///< null: all surfaces are whole
+  bool moving_meshes_only = false;  ///< leave out meshes with a single key: the caller knows what rays see of them
 };
 
 /// Segments of many rays: those of ray i are segments[offsets[i]] to segments[offsets[i + 1]].
@@ -137,9 +138,13 @@ class Tracer {
 
   /// The same for up to 16 rays at once: several times cheaper than one by one where rays come from one origin and go
   /// about the same way, as those of a pixel do, and no dearer otherwise. Times and distances differ from trace()'s by
-  /// rounding. Only Precision::fast knows packets. What the rays share is counted once. Throws Error(bad_usage) for
-  /// more than 16 rays.
-  std::span<const SeenByRay> trace_packet(std::span<const Ray> rays, Visibility visibility, Workspace& workspace) const;
+  /// rounding. Only Precision::fast knows packets. What the rays share is counted once.
+  ///
+  /// backdrops: none, or for each ray what it is known to see if nothing else is in front: a hit over the whole
+  /// shutter; one without duration says that there is nothing. Throws Error(bad_usage) for more than 16 rays, or
+  /// another number of backdrops.
+  std::span<const SeenByRay> trace_packet(std::span<const Ray> rays, Visibility visibility, Workspace& workspace,
+                                          std::span<const Segment> backdrops = {}) const;
 
   /// Many rays, in parallel; without veils. The result does not depend on the number of threads.
   SegmentBatch trace(std::span<const Ray> rays, Visibility visibility, TraceCounters* counters = nullptr) const;

@@ -111,7 +111,7 @@ void build_tree(std::span<const Mesh> meshes, const std::vector<TriangleId>& tri
 
 }  // namespace
 
-Accel build_accel(std::span<const Mesh> meshes) {
+Accel build_accel(std::span<const Mesh> meshes, bool moving_meshes_only) {
   uint64_t total = 0;
   for (const Mesh& mesh : meshes) total += mesh.triangles.size();
   if (total >= kLeafBit)
@@ -122,6 +122,7 @@ Accel build_accel(std::span<const Mesh> meshes) {
   std::map<std::vector<float>, std::vector<TriangleId>> moving;  // by key times
   for (uint32_t m = 0; m < meshes.size(); ++m) {
     const Mesh& mesh = meshes[m];
+    if (moving_meshes_only && mesh.is_static()) continue;
     const uint32_t count = static_cast<uint32_t>(mesh.triangles.size());
     std::vector<TriangleId>* group = mesh.is_static() ? nullptr : &moving[mesh.key_times];
     for (uint32_t f = 0; f < count; ++f)

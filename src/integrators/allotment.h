@@ -3,24 +3,22 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+
+#include "integrators/ray_prices.h"
 
 namespace kairos {
 
 struct PixelPlan {
-  uint32_t tc_rays = 0;   ///< 0: discrete samples of everything instead
-  uint32_t discrete = 0;  ///< samples: of what stands still beside time-continuous rays, else of everything
+  uint32_t tc_rays = 0;  ///< 0: discrete samples of everything instead
+  uint32_t discrete =
+      0;  ///< samples: at most so many of what stands still beside time-continuous rays, else of everything
 };
 
-/// What rays cost and what they are worth, in units of one discrete sample of a moving scene. Recorded numbers: a
-/// picture must not depend on a clock.
-struct RayPrices {
-  double tc_ray = 8;       ///< time of a time-continuous ray where something moves
-  double still_ray = 0.3;  ///< time of a discrete ray to what stands still
-};
-
-/// A time-continuous ray is chosen when it is worth this much more than the samples it replaces: prices vary by scene.
+/// Time-continuous rays are chosen when they are worth this much more than the samples they replace: prices are
+/// estimates, and vary over the picture.
 inline constexpr double kRequiredGain = 1.3;
 
 /// How many discrete samples give the error of `rays` time-continuous ones, where things move by `speed` pixels while
@@ -32,13 +30,33 @@ inline double worth(double rays, double speed) {
   return (0.6 + std::min(speed, kFastest)) * std::pow(rays, 1.7);
 }
 
-/// Spends the time of `budget` discrete samples (at least 1) in a pixel in which things move.
-inline PixelPlan allot(uint32_t budget, double speed, const RayPrices& prices) {
-  const double samples = budget;
-  const double affordable = std::floor(samples * (1 - prices.still_ray) / prices.tc_ray);
-  if (affordable >= 1 && worth(affordable, speed) > kRequiredGain * samples)
-    return {static_cast<uint32_t>(affordable), budget};
-  return {0, budget};
+/// In [0, 1): spread evenly over any patch of pixels (M. Roberts, "The unreasonable effectiveness of quasirandom
+/// sequences", 2018).
+inline double dither(int x, int y) {
+  const double place = 0.7548776662466927 * x + 0.5698402909980532 * y;
+  return place - std::floor(place);
+}
+
+/// Spends the time of `budget` discrete samples (at least 1) in a pixel in which things move. Points of low discrepancy
+/// are at their best in powers of two, so a pixel gets the power of two below what the budget buys or, where `chance`,
+/// in [0, 1), is less than the share of pixels for which it then lasts, the one above.
+inline PixelPlan allot(uint32_t budget, double speed, const RayPrices& prices, double chance) {
+  const PixelPlan discrete{0, budget};
+  const double samples = budget, affordable = (samples - samples * prices.still_ray) / prices.tc_ray;
+  if (!(affordable >= 1)) return discrete;
+  const auto low = std::bit_floor(static_cast<uint32_t>(std::min(affordable, samples)));
+  const double share = std::min(1.0, affordable / low - 1);  // of pixels with twice as many
+  const double error = (1 - share) / worth(low, speed) + share / worth(2.0 * low, speed);
+  if (!(1 / error > kRequiredGain * samples)) return discrete;
+  return {std::min(chance < share ? 2 * low : low, budget), budget};
+}
+
+/// Still rays worth tracing in a pixel whose time-continuous rays see the still layer for the share `still` of the
+/// shutter: its noise counts by that share.
+inline uint32_t still_rays(const PixelPlan& plan, double still) {
+  if (still >= 0.5) return std::max(plan.tc_rays, plan.discrete);
+  const auto wanted = static_cast<uint32_t>(2 * still * plan.discrete);
+  return std::max({1u, plan.tc_rays, std::bit_floor(wanted)});
 }
 
 }  // namespace kairos

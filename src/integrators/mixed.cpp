@@ -12,25 +12,18 @@
 #include "integrators/integrator.h"
 #include "integrators/motion_mask.h"
 #include "integrators/segment_shading.h"
+#include "integrators/still_layer.h"
 
 namespace kairos {
 
 namespace {
 
-/// What the still layer shows: a colour and the values of the AOVs. Sums and differences of it make sense.
-struct Look {
-  Vec3f colour, normal, albedo;
-  float coverage = 0;
-
-  Look& operator+=(const Look& other) {
-    colour += other.colour;
-    normal += other.normal;
-    albedo += other.albedo;
-    coverage += other.coverage;
-    return *this;
-  }
-  friend Look operator*(const Look& a, float s) { return {a.colour * s, a.normal * s, a.albedo * s, a.coverage * s}; }
-};
+/// A veil that stands still hides nothing, so it is no backdrop, and is traced with what moves.
+bool has_still_veil(const Shot& shot, const Shader& shader) {
+  for (uint32_t m = 0; m < shot.meshes.size(); ++m)
+    if (shot.meshes[m].is_static() && shader.cut_outs() && shader.cut_outs()->is_veil(m)) return true;
+  return false;
+}
 
 class MixedIntegrator : public Integrator {
  public:
@@ -42,7 +35,15 @@ class MixedIntegrator : public Integrator {
         shading_(shading_options(params)),
         mask_(parts.motion_mask(context.filter.radius())),
         scene_(parts.discrete(params.discrete_keys)),
-        tracer_(parts.tracer(params.instruction_set)) {}
+        backdrops_(!has_still_veil(shot_, context.shader)),
+        tracer_(parts.tracer(params.instruction_set, backdrops_)) {
+    const bool anything_still =
+        std::any_of(shot_.meshes.begin(), shot_.meshes.end(), [](const Mesh& mesh) { return mesh.is_static(); });
+    still_layer_is_empty_ = !anything_still && !context.shader.has_sky();
+    if (!automatic_ || mask_.empty()) return;
+    const RayWork work = sample_ray_work(context, shot_, mask_, tracer_, shading_);
+    prices_ = estimate_prices(work, mean_key_spans(shot_), anything_still, params.shading);
+  }
 
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<MixedWorker>(*this); }
   const Tracer& tracer() const { return tracer_; }
@@ -50,13 +51,17 @@ class MixedIntegrator : public Integrator {
  private:
   /// For a pixel in which things move.
   PixelPlan plan(int x, int y) const {
-    return automatic_ ? allot(context_.sampler.count(), mask_.speed(x, y), RayPrices{}) : fixed_plan_;
+    if (!automatic_) return fixed_plan_;
+    return allot(context_.sampler.count(), mask_.speed(x, y), prices_, dither(x, y));
   }
 
   class MixedWorker : public Worker {
    public:
     explicit MixedWorker(const MixedIntegrator& integrator)
-        : integrator_(integrator), context_(integrator.context_), shading_(context_, integrator.shading_) {}
+        : integrator_(integrator),
+          context_(integrator.context_),
+          shading_(context_, integrator.shading_),
+          still_layer_(context_, integrator.scene_) {}
 
     void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
@@ -68,79 +73,18 @@ class MixedIntegrator : public Integrator {
 
     void add_counts(RenderStats& stats) const override {
       stats.counters += workspace_.counters();
-      stats.rays += workspace_.counters().rays + discrete_rays_;
+      stats.rays += workspace_.counters().rays + discrete_rays_ + still_layer_.ray_count();
       stats.segments += workspace_.counters().segments + discrete_hits_;
-      stats.shading_samples += shading_.evaluations() + discrete_hits_;
+      stats.shading_samples += shading_.evaluations() + discrete_hits_ + still_layer_.evaluations();
     }
 
    private:
     /// Discrete samples over pixel and shutter.
     void render_discrete(int x, int y, const Sampler::Pixel& pixel, DiscreteLayer layer, RaySink& sink,
                          Monitor& monitor) {
-      const auto use = [&](const Ray& ray, float time, const auto& hit, SampleKey key) {
-        if (!hit) return add_sky(context_.shader, ray, time, sink);
-        const ShadedSegment seen = shade_hit(ray, time, *hit, key);
-        sink.add({ShadedRay::Kind::discrete, {&seen, 1}, 1});
-      };
-      trace_discrete(x, y, pixel, context_.sampler.count(), layer, monitor, use);
-    }
-
-    void render_moving(int x, int y, const Sampler::Pixel& pixel, const PixelPlan& plan, RaySink& sink,
-                       Monitor& monitor) {
-      const uint32_t count = plan.tc_rays;
-      shaded_.clear();
-      rays_.clear();
-      double still = 0;
-      for (uint32_t i = 0; i < count; ++i) {
-        if (i % kRaysPerPoll == 0) monitor.poll();
-        const SamplePoint point = context_.sampler.point(pixel, i);
-        const Ray ray = context_.ray(x, y, point);
-        const auto segments = integrator_.tracer_.trace(ray, Visibility::visible, workspace_);
-        const size_t first = shaded_.size();
-        shading_.shade(ray, segments, workspace_.veils(), pixel.seed, i, point.time, shaded_);
-        still += fill_background(first);
-        rays_.push_back({first, shaded_.size(), static_cast<uint32_t>(segments.size() + workspace_.veils().size())});
-      }
-      if (still > 0) {
-        const Look correction = still_correction(x, y, pixel, plan, monitor);
-        for (ShadedSegment& part : shaded_)
-          if (is_still(part)) add_to(part, correction);
-      }
-      for (const RayParts& ray : rays_)
-        sink.add({ShadedRay::Kind::tc, std::span(shaded_).subspan(ray.begin, ray.end - ray.begin), ray.segments});
-    }
-
-    /// S - S' above. The still layer is looked at when it is seen: at instants spread over the time in which the
-    /// pixel's time-continuous rays see it, so that a colour that changes with time is weighted as it should be.
-    Look still_correction(int x, int y, const Sampler::Pixel& pixel, const PixelPlan& plan, Monitor& monitor) {
-      collect_still_time();
-      const uint32_t count = plan.tc_rays;
-      Look all, own;
-      uint32_t index = 0;
-      const auto use = [&](const Ray& ray, float time, const auto& hit, SampleKey key) {
-        Look look{{}, {}, {}, 0};
-        if (!hit) {
-          look.colour = context_.shader.sky(ray, still_time(time));
-        } else {
-          const ShadedSegment seen = shade_hit(ray, still_time(time), *hit, key);
-          look = {seen.colour, seen.normal, seen.albedo, 1};
-        }
-        all += look;
-        if (index++ < count) own += look;
-      };
-      trace_discrete(x, y, pixel, std::max(count, plan.discrete), DiscreteLayer::still, monitor, use);
-      Look correction = all * (1 / static_cast<float>(index));
-      correction += own * (-1 / static_cast<float>(count));
-      return correction;
-    }
-
-    /// Calls use(ray, time, hit, key) for the pixel's first `count` samples.
-    template <class Use>
-    void trace_discrete(int x, int y, const Sampler::Pixel& pixel, uint32_t count, DiscreteLayer layer,
-                        Monitor& monitor, const Use& use) {
-      for (uint32_t begin = 0; begin < count; begin += kRaysPerPoll) {
+      for (uint32_t begin = 0; begin < context_.sampler.count(); begin += kRaysPerPoll) {
         monitor.poll();
-        const uint32_t size = std::min(kRaysPerPoll, count - begin);
+        const uint32_t size = std::min(kRaysPerPoll, context_.sampler.count() - begin);
         for (uint32_t i = 0; i < size; ++i) {
           const SamplePoint point = context_.sampler.point(pixel, begin + i);
           batch_[i] = context_.ray(x, y, point);
@@ -150,15 +94,61 @@ class MixedIntegrator : public Integrator {
                                      std::span(hits_).first(size), layer);
         discrete_rays_ += size;
         for (uint32_t i = 0; i < size; ++i) {
-          discrete_hits_ += hits_[i].has_value();
-          use(batch_[i], times_[i], hits_[i], {pixel.seed, begin + i});
+          if (!hits_[i]) {
+            add_sky(context_.shader, batch_[i], times_[i], sink);
+            continue;
+          }
+          ++discrete_hits_;
+          const ShadedSegment seen =
+              shade_hit(context_.shader, batch_[i], times_[i], *hits_[i], {pixel.seed, begin + i});
+          sink.add({ShadedRay::Kind::discrete, {&seen, 1}, 1});
         }
       }
     }
 
-    ShadedSegment shade_hit(const Ray& ray, float time, const DiscreteHit& hit, SampleKey key) const {
-      const Shade shade = context_.shader.shade(ray, hit.mesh, hit.triangle, time, key);
-      return {time, time, hit.dist, hit.dist, shade.colour, shade.normal, shade.albedo, hit.mesh, hit.triangle};
+    void render_moving(int x, int y, const Sampler::Pixel& pixel, const PixelPlan& plan, RaySink& sink,
+                       Monitor& monitor) {
+      shaded_.clear();
+      rays_.clear();
+      still_layer_.begin_pixel(x, y, pixel);
+      double still = 0;
+      for (uint32_t begin = 0; begin < plan.tc_rays; begin += kMostRays) {
+        monitor.poll();
+        const uint32_t size = std::min(kMostRays, plan.tc_rays - begin);
+        for (uint32_t i = 0; i < size; ++i) {
+          const SamplePoint point = context_.sampler.point(pixel, begin + i);
+          batch_[i] = context_.ray(x, y, point);
+          times_[i] = point.time;
+        }
+        std::span<const Segment> backdrops;
+        if (integrator_.backdrops_) backdrops = still_layer_.backdrops(begin, size, monitor);
+        const auto seen =
+            integrator_.tracer_.trace_packet(std::span(batch_).first(size), Visibility::visible, workspace_, backdrops);
+        for (uint32_t i = 0; i < size; ++i) {
+          const size_t first = shaded_.size();
+          const auto& [segments, veils] = seen[i];
+          shading_.shade(batch_[i], segments, veils, pixel.seed, begin + i, times_[i], shaded_);
+          still += fill_background(first);
+          rays_.push_back({first, shaded_.size(), static_cast<uint32_t>(segments.size() + veils.size())});
+        }
+      }
+      if (still > 0 && !integrator_.still_layer_is_empty_) {
+        const uint32_t count =
+            integrator_.automatic_ ? still_rays(plan, still / plan.tc_rays) : std::max(plan.tc_rays, plan.discrete);
+        if (count > plan.tc_rays) correct_still_parts(plan.tc_rays, count, monitor);
+      }
+      for (const RayParts& ray : rays_)
+        sink.add({ShadedRay::Kind::tc, std::span(shaded_).subspan(ray.begin, ray.end - ray.begin), ray.segments});
+    }
+
+    /// Adds S - S' above. The still layer is looked at when it is seen: at instants spread over the time in which the
+    /// pixel's time-continuous rays see it, so that a colour that changes with time is weighted as it should be.
+    void correct_still_parts(uint32_t own, uint32_t all, Monitor& monitor) {
+      collect_still_time();
+      const LayerLook correction =
+          still_layer_.difference(own, all, monitor, [&](float place) { return still_time(place); });
+      for (ShadedSegment& part : shaded_)
+        if (is_still(part)) add_to(part, correction);
     }
 
     bool is_still(const ShadedSegment& part) const {
@@ -207,7 +197,7 @@ class MixedIntegrator : public Integrator {
       return std::clamp(stretch.end - static_cast<float>(stretch.sum - wanted), stretch.begin, stretch.end);
     }
 
-    static void add_to(ShadedSegment& part, const Look& correction) {
+    static void add_to(ShadedSegment& part, const LayerLook& correction) {
       part.colour += correction.colour;
       part.normal += correction.normal;
       part.albedo += correction.albedo;
@@ -223,6 +213,8 @@ class MixedIntegrator : public Integrator {
       double sum;
     };
 
+    static constexpr uint32_t kMostRays = Tracer::kMaxPacket;
+
     const MixedIntegrator& integrator_;
     const PixelContext& context_;
     Tracer::Workspace workspace_;
@@ -230,6 +222,7 @@ class MixedIntegrator : public Integrator {
     std::vector<ShadedSegment> shaded_;  // of all of a pixel's time-continuous rays
     std::vector<RayParts> rays_;
     std::vector<Stretch> stretches_;
+    StillLayer still_layer_;
     std::array<Ray, kRaysPerPoll> batch_;
     std::array<float, kRaysPerPoll> times_{};
     std::array<std::optional<DiscreteHit>, kRaysPerPoll> hits_;
@@ -243,7 +236,10 @@ class MixedIntegrator : public Integrator {
   ShadingOptions shading_;
   const MotionMask& mask_;
   const DiscreteScene& scene_;
+  bool backdrops_;  // are still rays traced first, as backdrops?
   const Tracer& tracer_;
+  bool still_layer_is_empty_ = false;  // but for a background that is the same everywhere
+  RayPrices prices_;
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "integrators/shot_parts.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -25,10 +26,13 @@ const Shader& ShotParts::shader(ShadingKind kind, bool want_normal, int max_dept
              [&] { return std::make_shared<const Shader>(shot_, kind, want_normal, max_depth, rays); });
 }
 
-const Tracer& ShotParts::tracer(std::optional<InstructionSet> instruction_set) {
+const Tracer& ShotParts::tracer(std::optional<InstructionSet> instruction_set, bool moving_meshes_only) {
   const auto cut_outs = this->cut_outs();
-  return use(tracers_[instruction_set], &BuildSeconds::tracer, [&] {
-    return std::make_shared<const Tracer>(shot_.meshes, TracerOptions{Precision::fast, instruction_set, cut_outs});
+  const auto stands_still = [](const Mesh& mesh) { return mesh.is_static(); };
+  if (std::none_of(shot_.meshes.begin(), shot_.meshes.end(), stands_still)) moving_meshes_only = false;
+  return use(tracers_[{instruction_set, moving_meshes_only}], &BuildSeconds::tracer, [&] {
+    return std::make_shared<const Tracer>(
+        shot_.meshes, TracerOptions{Precision::fast, instruction_set, cut_outs, moving_meshes_only});
   });
 }
 

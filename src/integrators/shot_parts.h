@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include <kairos/render.h>
 #include <kairos/tracer.h>
@@ -25,7 +26,8 @@ class ShotParts {
 
   /// discrete_keys: see RenderParams; of the rays that shading itself traces.
   const Shader& shader(ShadingKind kind, bool want_normal, int max_depth, int discrete_keys);
-  const Tracer& tracer(std::optional<InstructionSet> instruction_set);
+  /// moving_meshes_only: see TracerOptions; the same as without where nothing stands still.
+  const Tracer& tracer(std::optional<InstructionSet> instruction_set, bool moving_meshes_only = false);
   const DiscreteScene& discrete(int keys);
   /// margin: see MotionMask.
   const MotionMask& motion_mask(double margin);
@@ -49,7 +51,7 @@ class ShotParts {
   const Shot& shot_;
   std::unique_ptr<const Shader> surfaces_;  // for its cut-outs
   std::map<std::tuple<ShadingKind, bool, int>, Timed<Shader>> shaders_;
-  std::map<std::optional<InstructionSet>, Timed<Tracer>> tracers_;
+  std::map<std::pair<std::optional<InstructionSet>, bool>, Timed<Tracer>> tracers_;
   Timed<DiscreteScene> discrete_;
   int discrete_keys_ = 0;
   std::map<double, Timed<MotionMask>> masks_;

@@ -73,6 +73,11 @@ struct RayState {
     counters.segments += segments.size() + veils.size();
   }
 
+  /// Takes up what is known to be there for the whole shutter, if it has any duration.
+  void add_backdrop(const Segment& hit) {
+    if (hit.begin < hit.end) take_up(hit);
+  }
+
   /// Takes up what is there of a hit in shutter time, unless something is known to hide it.
   void add(const Segment& hit) {
     if (!(hit.begin < hit.end) || is_hidden(hit)) return;

@@ -41,7 +41,7 @@ class Collector {
   /// The nearest hit, which hides what is behind it at all times; or all of them, where nothing is to be culled.
   HWY_INLINE void CollectStill(const Tree<kStaticKeys>& tree) {
     Segment nearest;
-    nearest.dist_begin = std::numeric_limits<float>::infinity();
+    nearest.dist_begin = state_.culls() ? state_.bins.visible_until(0, 1) : std::numeric_limits<float>::infinity();
     bool found = false;
     StackEntry* top = state_.stack.data();
     *top++ = {tree.root, 0, 0, 1};

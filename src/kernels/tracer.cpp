@@ -56,7 +56,7 @@ Tracer::Tracer(std::span<const Mesh> meshes, const TracerOptions& options) : imp
   impl_->collect = options.precision == Precision::fast ? kernels->collect_fast : kernels->collect_exact;
   if (options.precision == Precision::fast) impl_->collect_packet = kernels->collect_packet;
   impl_->cut_outs = options.cut_outs;
-  impl_->accel = build_accel(meshes);
+  impl_->accel = build_accel(meshes, options.moving_meshes_only);
   impl_->depth = impl_->accel.depth();
 }
 Tracer::~Tracer() = default;
@@ -71,15 +71,18 @@ std::span<const Segment> Tracer::trace(const Ray& ray, Visibility visibility, Wo
   return state.segments;
 }
 
-std::span<const SeenByRay> Tracer::trace_packet(std::span<const Ray> rays, Visibility visibility,
-                                                Workspace& workspace) const {
+std::span<const SeenByRay> Tracer::trace_packet(std::span<const Ray> rays, Visibility visibility, Workspace& workspace,
+                                                std::span<const Segment> backdrops) const {
   if (rays.size() > kMaxPacket)
     throw Error(ErrorCode::bad_usage, "Tracer::trace_packet", "more than 16 rays; divide them into several packets");
+  if (!backdrops.empty() && backdrops.size() != rays.size())
+    throw Error(ErrorCode::bad_usage, "Tracer::trace_packet", "give as many backdrops as rays, or none");
   auto& [states, results] = *workspace.state_;
   const auto used = std::span(states).first(rays.size());
   bool traceable = true;
   for (size_t i = 0; i < rays.size(); ++i) {
     states[i].begin_ray(visibility, impl_->depth, rays[i], impl_->cut_outs.get());
+    if (!backdrops.empty()) states[i].add_backdrop(backdrops[i]);
     traceable = traceable && is_traceable(rays[i]);
   }
   std::optional<RayPacket> packet;

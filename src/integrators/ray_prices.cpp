@@ -1,0 +1,89 @@
+#include "integrators/ray_prices.h"
+
+#include <algorithm>
+#include <array>
+
+#include "integrators/motion_mask.h"
+#include "integrators/segment_shading.h"
+
+namespace kairos {
+
+namespace {
+
+// Nanoseconds on one thread of a Xeon with AVX-512 at about 2.7 GHz; only their ratios matter. Fitted to pictures of
+// scenes of several kinds: docs/method.md, "Static and moving in one pixel".
+constexpr double kNode = 20, kTriangle = 15, kHit = 90;  // of a time-continuous ray, see TraceCounters
+constexpr double kEvaluation = 30;                       // finding out where to shade, and adding up
+// A discrete ray passes what is about it at one instant: more where a time-continuous ray of one key span has more
+// hits, up to a limit, since from some speed on more hits are the same things, faster.
+constexpr double kDiscrete = 60, kDiscreteMost = 600, kHalfway = 5;  // hits at which half of the limit is reached
+constexpr double kStill = 60;
+
+double shading_time(ShadingKind kind) {
+  switch (kind) {
+    case ShadingKind::flat:
+      return 40;
+    case ShadingKind::whitted:
+      return 1500;
+    default:
+      return 60;
+  }
+}
+
+constexpr int kPixels = 64;                     // looked at
+constexpr uint32_t kRays = Tracer::kMaxPacket;  // in each
+constexpr int kTries = 4 * kPixels;             // at most, to find pixels in which something moves
+
+}  // namespace
+
+RayWork sample_ray_work(const PixelContext& context, const Shot& shot, const MotionMask& mask, const Tracer& tracer,
+                        ShadingOptions options) {
+  const Sampler sampler(SamplerKind::owen_sobol, kTries, 0);
+  const Sampler::Pixel place = sampler.pixel(0, 0);
+  Tracer::Workspace workspace;
+  SegmentShading shading(context, options);
+  std::vector<ShadedSegment> shaded;
+  std::array<Ray, kRays> rays;
+  int pixels = 0;
+  for (uint32_t i = 0; i < kTries && pixels < kPixels; ++i) {
+    const SamplePoint point = sampler.point(place, i);
+    const int x = static_cast<int>(point.x * static_cast<float>(shot.projection.width));
+    const int y = static_cast<int>(point.y * static_cast<float>(shot.projection.height));
+    if (!mask.moves(x, y)) continue;
+    ++pixels;
+    const Sampler::Pixel pixel = context.sampler.pixel(x, y);
+    const uint32_t count = std::min(kRays, context.sampler.count());
+    for (uint32_t k = 0; k < count; ++k) rays[k] = context.ray(x, y, context.sampler.point(pixel, k));
+    const auto seen = tracer.trace_packet(std::span(rays).first(count), Visibility::visible, workspace);
+    for (uint32_t k = 0; k < count; ++k) {
+      shaded.clear();
+      shading.shade(rays[k], seen[k].segments, seen[k].veils, pixel.seed, k, 0.5f, shaded);
+    }
+  }
+  const TraceCounters& sum = workspace.counters();
+  if (sum.rays == 0) return {};
+  const auto mean = [&](uint64_t value) { return static_cast<double>(value) / static_cast<double>(sum.rays); };
+  return {mean(sum.nodes), mean(sum.triangles), mean(sum.hits), mean(shading.evaluations())};
+}
+
+RayPrices estimate_prices(const RayWork& work, double key_spans, bool anything_still, ShadingKind shading) {
+  const double shade = shading_time(shading);
+  const double hits = work.hits / key_spans;
+  const double discrete = kDiscrete + kDiscreteMost * hits / (hits + kHalfway) + shade;
+  const double still = kStill + shade;
+  const double tc = kNode * work.nodes + kTriangle * work.triangles + kHit * work.hits +
+                    (kEvaluation + shade) * std::max(1.0, work.evaluations);
+  return {tc / discrete, anything_still ? std::min(1.0, still / discrete) : 0};
+}
+
+double mean_key_spans(const Shot& shot) {
+  double triangles = 0, spans = 0;
+  for (const Mesh& mesh : shot.meshes) {
+    if (mesh.is_static()) continue;
+    triangles += static_cast<double>(mesh.triangles.size());
+    spans += static_cast<double>(mesh.triangles.size()) * static_cast<double>(mesh.key_count() - 1);
+  }
+  return triangles > 0 ? spans / triangles : 1;
+}
+
+}  // namespace kairos
