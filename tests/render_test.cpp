@@ -241,13 +241,13 @@ TEST(Render, PartsAreBuiltOnceAndTheirTimeIsKnown) {
   EXPECT_EQ(qmc.parts.tracer, 0);
   renderer.render(flat(IntegratorKind::mixed, 1), &mixed);
   EXPECT_GT(mixed.parts.motion_mask, 0);
-  EXPECT_EQ(mixed.parts.tracer, tc.parts.tracer) << "built for tc, and counted as it was then";
+  EXPECT_GT(mixed.parts.tracer, 0) << "of what moves alone";
   EXPECT_EQ(mixed.parts.discrete, qmc.parts.discrete);
   EXPECT_GE(mixed.build_seconds, mixed.parts.sum());
   RenderParams params = flat(IntegratorKind::mixed, 1);
   params.discrete_keys = 3;
   renderer.render(params, &again);
-  EXPECT_EQ(again.parts.tracer, tc.parts.tracer);
+  EXPECT_EQ(again.parts.tracer, mixed.parts.tracer) << "built before, and counted as it was then";
   EXPECT_NE(again.parts.discrete, qmc.parts.discrete) << "other keys, another tree";
   params.discrete_keys = 130;
   EXPECT_THROW(renderer.render(params), Error);
@@ -285,6 +285,7 @@ TEST(Render, RefusesParametersOutOfRange) {
   const Shot shot = shot_of({bar(0, 9, 0, 9)});
   const auto refused = [&](auto&& change) {
     RenderParams params;
+    params.integrator = IntegratorKind::mixed;  // which looks at all of them
     change(params);
     try {
       render(shot, params);

@@ -223,7 +223,10 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
       ->type_name("A-B")
       ->excludes("--frame");
   command.add_flag("--quiet", arguments->quiet, "No log and no progress, errors only");
-  command.callback([arguments, &chosen] {
+  command.callback([arguments, &chosen, &command] {
+    // Who asks for a number of time-continuous rays alone wants those.
+    if (command.count("--tc-rays") > 0 && command.count("--integrator") == 0)
+      arguments->params.integrator = IntegratorKind::tc;
     if (arguments->frames) {
       FrameName::check("--output", arguments->out);
       if (!arguments->stats_file.empty()) FrameName::check("--stats-file", arguments->stats_file);

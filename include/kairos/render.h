@@ -62,7 +62,7 @@ struct Crop {
 };
 
 struct RenderParams {
-  IntegratorKind integrator = IntegratorKind::tc;
+  IntegratorKind integrator = IntegratorKind::automatic;
   int tc_rays = 16;         ///< tc: rays per pixel; mixed: the same, where anything moves; 1 to 2^20
   int shading_samples = 8;  ///< per time-continuous ray, over its segments by duration, at least one in each cluster
                             ///< (and no more where nothing changes); 1 to 2^16

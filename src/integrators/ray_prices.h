@@ -7,6 +7,7 @@
 #include <kairos/render.h>
 
 #include "integrators/integrator.h"
+#include "integrators/spread.h"
 
 namespace kairos {
 
