@@ -79,11 +79,6 @@ class MixedIntegrator : public Integrator {
     }
 
    private:
-    struct RayParts {
-      size_t begin, end;  // of shaded_
-      uint32_t segments;
-    };
-
     /// Discrete samples over pixel and shutter.
     void render_discrete(int x, int y, const Sampler::Pixel& pixel, DiscreteLayer layer, RaySink& sink,
                          Monitor& monitor) {
@@ -140,39 +135,20 @@ class MixedIntegrator : public Integrator {
       if (still > 0 && !integrator_.still_layer_is_empty_) {
         const uint32_t count =
             integrator_.automatic_ ? still_rays(plan, still / plan.tc_rays) : std::max(plan.tc_rays, plan.discrete);
-        if (count > plan.tc_rays) correct_still_parts(count, monitor);
+        if (count > plan.tc_rays) correct_still_parts(plan.tc_rays, count, monitor);
       }
       for (const RayParts& ray : rays_)
         sink.add({ShadedRay::Kind::tc, std::span(shaded_).subspan(ray.begin, ray.end - ray.begin), ray.segments});
     }
 
-    /// Adds S - S' above. What each ray sees of the still layer in its own time is S_k; a ray that sees nothing of it,
-    /// and the further ones, look at instants spread over the time in which the others see it, so that a colour that
-    /// changes with time is weighted as it should be.
-    void correct_still_parts(uint32_t all, Monitor& monitor) {
+    /// Adds S - S' above. The still layer is looked at when it is seen: at instants spread over the time in which the
+    /// pixel's time-continuous rays see it, so that a colour that changes with time is weighted as it should be.
+    void correct_still_parts(uint32_t own, uint32_t all, Monitor& monitor) {
       collect_still_time();
-      own_looks_.clear();
-      for (const RayParts& ray : rays_) own_looks_.push_back(still_look(ray));
       const LayerLook correction =
-          still_layer_.difference(own_looks_, all, monitor, [&](float place) { return still_time(place); });
+          still_layer_.difference(own, all, monitor, [&](float place) { return still_time(place); });
       for (ShadedSegment& part : shaded_)
         if (is_still(part)) add_to(part, correction);
-    }
-
-    std::optional<LayerLook> still_look(const RayParts& ray) const {
-      LayerLook sum;
-      float duration = 0;
-      for (size_t i = ray.begin; i < ray.end; ++i) {
-        const ShadedSegment& part = shaded_[i];
-        if (!is_still(part)) continue;
-        const float weight = part.end - part.begin;
-        sum += LayerLook{part.colour, part.normal, part.albedo, part.coverage} * weight;
-        duration += weight;
-      }
-      // Of an instant a float's rounding errors are too large a share.
-      constexpr float kShortest = 1e-4f;
-      if (duration < kShortest) return std::nullopt;
-      return sum * (1 / duration);
     }
 
     bool is_still(const ShadedSegment& part) const {
@@ -228,6 +204,10 @@ class MixedIntegrator : public Integrator {
       part.coverage += correction.coverage;
     }
 
+    struct RayParts {
+      size_t begin, end;  // of shaded_
+      uint32_t segments;
+    };
     struct Stretch {
       float begin, end;
       double sum;
@@ -242,7 +222,6 @@ class MixedIntegrator : public Integrator {
     std::vector<ShadedSegment> shaded_;  // of all of a pixel's time-continuous rays
     std::vector<RayParts> rays_;
     std::vector<Stretch> stretches_;
-    std::vector<std::optional<LayerLook>> own_looks_;
     StillLayer still_layer_;
     std::array<Ray, kRaysPerPoll> batch_;
     std::array<float, kRaysPerPoll> times_{};

@@ -62,21 +62,18 @@ class StillLayer {
     return backdrops_;
   }
 
-  /// The mean over `all` rays, less that over the first `own.size()` of them. own: what these see, where that is known:
-  /// then the noise of its shading is taken off as well. time_of(sample time): when a ray looks.
+  /// The mean over `all` rays, less that over the first `own` of them. time_of(sample time): when a ray looks.
   template <class TimeOf>
-  LayerLook difference(std::span<const std::optional<LayerLook>> own, uint32_t all, Monitor& monitor,
-                       const TimeOf& time_of) {
+  LayerLook difference(uint32_t own, uint32_t all, Monitor& monitor, const TimeOf& time_of) {
     trace(all, monitor);
     LayerLook sum_all, sum_own;
     for (uint32_t i = 0; i < all; ++i) {
-      const bool known = i < own.size() && own[i].has_value();
-      const LayerLook look = known ? *own[i] : shade(i, time_of(times_[i]));
+      const LayerLook look = shade(i, time_of(times_[i]));
       sum_all += look;
-      if (i < own.size()) sum_own += look;
+      if (i < own) sum_own += look;
     }
     LayerLook difference = sum_all * (1 / static_cast<float>(all));
-    difference += sum_own * (-1 / static_cast<float>(own.size()));
+    difference += sum_own * (-1 / static_cast<float>(own));
     return difference;
   }
 
