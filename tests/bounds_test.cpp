@@ -61,6 +61,7 @@ TEST(Bounds, ComputedIsNeverShorterThanExact) {
   const std::vector<double> exact = durations(shot, {}, ShadingKind::bounds_exact);
   for (const InstructionSet set : supported_instruction_sets()) {
     RenderParams params;
+    params.integrator = IntegratorKind::tc;
     params.instruction_set = set;
     const std::vector<double> computed = durations(shot, params, ShadingKind::bounds);
     size_t met = 0;
@@ -80,6 +81,7 @@ TEST(Bounds, ExactIsWhatTimeContinuousRaysSeeOfABox) {
   shot.meshes.resize(1);
   const std::vector<double> exact = durations(shot, {}, ShadingKind::bounds_exact);
   RenderParams params;
+  params.integrator = IntegratorKind::tc;
   params.tc_rays = 1;
   params.shading = ShadingKind::flat;
   const Image seen = render(shot, params);
@@ -120,6 +122,7 @@ TEST(Bounds, NothingMovesIsBackground) {
   Shot shot = shot_of({parallelogram({-9, -9, -12}, {18, 0, 0}, {0, 18, 0}, 0)});
   shot.background = {0.5f, 0.25f, 2};
   RenderParams params;
+  params.integrator = IntegratorKind::tc;
   params.shading = ShadingKind::bounds;
   const Image image = render(shot, params);
   for (const float value : image.find("B")->values) EXPECT_EQ(value, 2);

@@ -31,6 +31,7 @@ Shot flying_ball(bool smooth, Material::AlphaMode mode = Material::AlphaMode::op
 
 RenderParams tc(ShadingKind shading, Clusters clusters, int samples) {
   RenderParams params;
+  params.integrator = IntegratorKind::tc;
   params.shading = shading;
   params.clusters = clusters;
   params.shading_samples = samples;
