@@ -14,6 +14,7 @@ namespace {
 // Of a picture with one ray per pixel: red where the box is met all the time, blue where only for an instant.
 std::vector<double> durations(const Shot& shot, RenderParams params, ShadingKind kind) {
   params.shading = kind;
+  params.integrator = IntegratorKind::tc;
   params.tc_rays = 1;
   params.aovs = {Aov::coverage};
   const Image image = render(shot, params);
