@@ -11,6 +11,7 @@
 #include "integrators/allotment.h"
 #include "integrators/integrator.h"
 #include "integrators/motion_mask.h"
+#include "integrators/packet_choice.h"
 #include "integrators/segment_shading.h"
 #include "integrators/still_layer.h"
 
@@ -40,7 +41,9 @@ class MixedIntegrator : public Integrator {
     const bool anything_still =
         std::any_of(shot_.meshes.begin(), shot_.meshes.end(), [](const Mesh& mesh) { return mesh.is_static(); });
     still_layer_is_empty_ = !anything_still && !context.shader.has_sky();
-    if (!automatic_ || mask_.empty()) return;
+    if (mask_.empty()) return;
+    packets_ = choose_packets(context, shot_.projection, tracer_);
+    if (!automatic_) return;
     const RayWork work = sample_ray_work(context, shot_, mask_, tracer_, shading_);
     prices_ = estimate_prices(work, mean_key_spans(shot_), anything_still, params.shading);
   }
@@ -112,9 +115,10 @@ class MixedIntegrator : public Integrator {
       rays_.clear();
       still_layer_.begin_pixel(x, y, pixel);
       double still = 0;
-      for (uint32_t begin = 0; begin < plan.tc_rays; begin += kMostRays) {
-        monitor.poll();
-        const uint32_t size = std::min(kMostRays, plan.tc_rays - begin);
+      const uint32_t together = integrator_.packets_.size(plan.tc_rays);
+      for (uint32_t begin = 0; begin < plan.tc_rays; begin += together) {
+        if (begin % kRaysPerPoll == 0) monitor.poll();
+        const uint32_t size = std::min(together, plan.tc_rays - begin);
         for (uint32_t i = 0; i < size; ++i) {
           const SamplePoint point = context_.sampler.point(pixel, begin + i);
           batch_[i] = context_.ray(x, y, point);
@@ -213,8 +217,6 @@ class MixedIntegrator : public Integrator {
       double sum;
     };
 
-    static constexpr uint32_t kMostRays = Tracer::kMaxPacket;
-
     const MixedIntegrator& integrator_;
     const PixelContext& context_;
     Tracer::Workspace workspace_;
@@ -239,6 +241,7 @@ class MixedIntegrator : public Integrator {
   bool backdrops_;  // are still rays traced first, as backdrops?
   const Tracer& tracer_;
   bool still_layer_is_empty_ = false;  // but for a background that is the same everywhere
+  PacketChoice packets_;
   RayPrices prices_;
 };
 

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "integrators/integrator.h"
+#include "integrators/packet_choice.h"
 #include "integrators/segment_shading.h"
 
 namespace kairos {
@@ -11,8 +12,11 @@ namespace {
 
 class TcIntegrator : public Integrator {
  public:
-  TcIntegrator(const Tracer& tracer, ShadingOptions shading, const PixelContext& context)
-      : context_(context), shading_(shading), tracer_(tracer) {}
+  TcIntegrator(const Shot& shot, const Tracer& tracer, ShadingOptions shading, const PixelContext& context)
+      : context_(context),
+        shading_(shading),
+        tracer_(tracer),
+        packets_(choose_packets(context, shot.projection, tracer)) {}
 
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<TcWorker>(*this); }
 
@@ -24,10 +28,10 @@ class TcIntegrator : public Integrator {
 
     void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
-      const uint32_t count = context_.sampler.count();
-      for (uint32_t begin = 0; begin < count; begin += kMostRays) {
-        monitor.poll();
-        const uint32_t size = std::min(kMostRays, count - begin);
+      const uint32_t count = context_.sampler.count(), together = integrator_.packets_.size(count);
+      for (uint32_t begin = 0; begin < count; begin += together) {
+        if (begin % kRaysPerPoll == 0) monitor.poll();
+        const uint32_t size = std::min(together, count - begin);
         for (uint32_t i = 0; i < size; ++i) {
           const SamplePoint point = context_.sampler.point(pixel, begin + i);
           rays_[i] = context_.ray(x, y, point);
@@ -66,6 +70,7 @@ class TcIntegrator : public Integrator {
   const PixelContext& context_;
   ShadingOptions shading_;
   const Tracer& tracer_;
+  PacketChoice packets_;
 };
 
 }  // namespace
@@ -75,7 +80,7 @@ std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderPar
   const Tracer& tracer = parts.tracer(params.instruction_set);
   stats.instruction_set = tracer.instruction_set();
   stats.accel_memory_bytes = tracer.memory_bytes();
-  return std::make_unique<TcIntegrator>(tracer, shading_options(params), context);
+  return std::make_unique<TcIntegrator>(parts.shot(), tracer, shading_options(params), context);
 }
 
 }  // namespace kairos
