@@ -82,6 +82,7 @@ TEST(MotionMask, KnowsHowFastAndLeavesOutWhatStandsStill) {
   still.positions.resize(1);
   const MotionMask mask(shot_of({bar, still}), 0);
   EXPECT_NEAR(mask.speed(kWidth / 2 + 3, kHeight / 2 - 1), 5, 0.05);
+  EXPECT_NEAR(mask.depth(kWidth / 2 + 3, kHeight / 2 - 1), 1, 1e-3);
   EXPECT_FALSE(mask.moves(kWidth / 2 + 12, kHeight / 2 - 1));
   EXPECT_FALSE(mask.moves(kWidth / 2 + 3, kHeight / 2 + 4));
   EXPECT_FALSE(mask.moves(0, 0));
@@ -194,6 +195,31 @@ TEST(Mixed, IsQmcWhereNothingMoves) {
     for (const char* channel : {"R", "G", "B", "coverage.A", "depth.Z"})
       EXPECT_EQ(image.find(channel)->values, qmc.find(channel)->values) << channel;
   }
+}
+
+TEST(Mixed, AutomaticTakesDiscreteSamplesOnStillOutlinesInFrontOfMotion) {
+  const double pixel = 2 * std::tan(Projection{}.vfov / 2) / kHeight;  // at distance 1
+  const auto rectangle = [](float x0, float x1, float z) {
+    Mesh mesh;
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.positions = {{{x0, -9, z}, {x1, -9, z}, {x1, 9, z}, {x0, 9, z}}};
+    return mesh;
+  };
+  Mesh board = rectangle(0, 9, -2);  // its left edge moves from 10 pixels left of the middle to 10 pixels right
+  board.key_times = {0, 1};
+  board.positions.push_back(board.positions[0]);
+  for (const size_t v : {0u, 3u}) {
+    board.positions[0][v].x = static_cast<float>(-20 * pixel);
+    board.positions[1][v].x = static_cast<float>(20 * pixel);
+  }
+  const Shot shot = shot_of({rectangle(static_cast<float>(pixel / 2), 9, -1), board});
+  const Image qmc = render(shot, params_of(IntegratorKind::qmc, 1, 256, 3));
+  const Image automatic = render(shot, params_of(IntegratorKind::automatic, 1, 256, 3));
+  const auto value = [](const Image& image, int x) {
+    return image.find("G")->values[static_cast<size_t>(5 * kWidth + x)];
+  };
+  EXPECT_EQ(value(automatic, kWidth / 2), value(qmc, kWidth / 2));
+  EXPECT_NE(value(automatic, kWidth / 2 - 6), value(qmc, kWidth / 2 - 6)) << "here nothing is in front";
 }
 
 TEST(Mixed, AutomaticIsNoWorseThanQmcOfItsBudget) {

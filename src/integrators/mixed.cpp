@@ -55,7 +55,9 @@ class MixedIntegrator : public Integrator {
   /// For a pixel in which things move.
   PixelPlan plan(int x, int y) const {
     if (!automatic_) return fixed_plan_;
-    return allot(context_.sampler.count(), mask_.speed(x, y), prices_, dither(x, y));
+    const uint32_t budget = context_.sampler.count();
+    if (!still_layer_is_empty_ && budget < kLeastForStill) return {0, budget};
+    return allot(budget, mask_.speed(x, y), prices_, dither(x, y));
   }
 
   class MixedWorker : public Worker {
@@ -70,7 +72,9 @@ class MixedIntegrator : public Integrator {
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
       if (!integrator_.mask_.moves(x, y)) return render_discrete(x, y, pixel, DiscreteLayer::still, sink, monitor);
       const PixelPlan plan = integrator_.plan(x, y);
-      if (plan.tc_rays == 0) return render_discrete(x, y, pixel, DiscreteLayer::all, sink, monitor);
+      still_layer_.begin_pixel(x, y, pixel);
+      if (plan.tc_rays == 0 || has_still_edge_in_front(x, y, monitor))
+        return render_discrete(x, y, pixel, DiscreteLayer::all, sink, monitor);
       render_moving(x, y, pixel, plan, sink, monitor);
     }
 
@@ -82,6 +86,15 @@ class MixedIntegrator : public Integrator {
     }
 
    private:
+    /// Where something that stands still covers a part of the pixel in front of what moves, its outline is the noise,
+    /// and more rays are better than exact ones.
+    bool has_still_edge_in_front(int x, int y, Monitor& monitor) {
+      if (!integrator_.automatic_ || integrator_.still_layer_is_empty_) return false;
+      const uint32_t probes = probe_rays(context_.sampler.count());
+      const uint32_t in_front = still_layer_.count_nearer(probes, integrator_.mask_.depth(x, y), monitor);
+      return in_front > 0 && in_front < probes;
+    }
+
     /// Discrete samples over pixel and shutter.
     void render_discrete(int x, int y, const Sampler::Pixel& pixel, DiscreteLayer layer, RaySink& sink,
                          Monitor& monitor) {
@@ -113,7 +126,6 @@ class MixedIntegrator : public Integrator {
                        Monitor& monitor) {
       shaded_.clear();
       rays_.clear();
-      still_layer_.begin_pixel(x, y, pixel);
       double still = 0;
       const uint32_t together = integrator_.packets_.size(plan.tc_rays);
       for (uint32_t begin = 0; begin < plan.tc_rays; begin += together) {

@@ -9,6 +9,8 @@ namespace {
 
 /// Pixels per shutter are kept as integers, so that sums do not depend on their order.
 constexpr double kSpeedUnits = 64;
+/// So are binary logarithms of depths, from 2^-kDepthRange to 2^kDepthRange.
+constexpr double kDepthUnits = 4096, kDepthRange = 40;
 /// Faster than this counts as this: paths that pass the camera have no bound on screen.
 constexpr double kHighestSpeed = 1e6;
 /// Nothing nearer than this part of the farther end of an edge is projected: an edge that passes the camera plane is
@@ -72,6 +74,7 @@ MotionMask::MotionMask(const Shot& shot, double margin)
   const size_t columns = static_cast<size_t>(width_) + 1, rows = static_cast<size_t>(height_) + 1;
   count_.assign(columns * rows, 0);
   speed_.assign(columns * rows, 0);
+  depth_.assign(columns * rows, 0);
   const ToScreen to_screen(shot.projection);
   for (const Mesh& mesh : shot.meshes) {
     if (mesh.is_static()) continue;
@@ -79,10 +82,11 @@ MotionMask::MotionMask(const Shot& shot, double margin)
       for (size_t key = 0; key + 1 < mesh.key_count(); ++key) {
         if (mesh.key_times[key] == mesh.key_times[key + 1]) continue;
         std::array<Vec3d, 6> points;
-        double path = 0;
+        double path = 0, nearest = INFINITY;
         for (size_t v = 0; v < 3; ++v) {
           points[v] = to_double(mesh.positions[key][triangle[v]]);
           points[v + 3] = to_double(mesh.positions[key + 1][triangle[v]]);
+          nearest = std::min({nearest, -points[v].z, -points[v + 3].z});
           if (!to_screen.is_in_front(points[v]) || !to_screen.is_in_front(points[v + 3])) {
             path = kHighestSpeed;
           } else {
@@ -104,10 +108,13 @@ MotionMask::MotionMask(const Shot& shot, double margin)
         const size_t y0 = row(std::floor(b.y0 - margin)), y1 = row(std::floor(b.y1 + margin) + 1);
         const double duration = static_cast<double>(mesh.key_times[key + 1]) - static_cast<double>(mesh.key_times[key]);
         const int64_t speed = std::llround(std::min(path / duration, kHighestSpeed) * kSpeedUnits);
+        const double logarithm = nearest > 0 ? std::log2(nearest) : -kDepthRange;
+        const int64_t depth = std::llround(std::clamp(logarithm, -kDepthRange, kDepthRange) * kDepthUnits);
         any_ = true;
         const auto add = [&](size_t x, size_t y, int sign) {
           count_[y * columns + x] += sign;
           speed_[y * columns + x] += sign * speed;
+          depth_[y * columns + x] += sign * depth;
         };
         add(x0, y0, 1);
         add(x1, y0, -1);
@@ -119,17 +126,24 @@ MotionMask::MotionMask(const Shot& shot, double margin)
     for (size_t x = 1; x < columns; ++x) {
       count_[y * columns + x] += count_[y * columns + x - 1];
       speed_[y * columns + x] += speed_[y * columns + x - 1];
+      depth_[y * columns + x] += depth_[y * columns + x - 1];
     }
   for (size_t y = 1; y < rows; ++y)
     for (size_t x = 0; x < columns; ++x) {
       count_[y * columns + x] += count_[(y - 1) * columns + x];
       speed_[y * columns + x] += speed_[(y - 1) * columns + x];
+      depth_[y * columns + x] += depth_[(y - 1) * columns + x];
     }
 }
 
 double MotionMask::speed(int x, int y) const {
   const int32_t count = at(count_, x, y);
   return count == 0 ? 0 : static_cast<double>(at(speed_, x, y)) / kSpeedUnits / count;
+}
+
+double MotionMask::depth(int x, int y) const {
+  const int32_t count = at(count_, x, y);
+  return count == 0 ? INFINITY : std::exp2(static_cast<double>(at(depth_, x, y)) / kDepthUnits / count);
 }
 
 }  // namespace kairos

@@ -20,6 +20,8 @@ class MotionMask {
   bool moves(int x, int y) const { return at(count_, x, y) > 0; }
   /// Mean over the triangles that may be seen in the pixel of how far they move on screen, in pixels per shutter.
   double speed(int x, int y) const;
+  /// Geometric mean over the same triangles of the depth of the nearest vertex, in scene units; infinity without any.
+  double depth(int x, int y) const;
   /// True when no pixel moves.
   bool empty() const { return !any_; }
 
@@ -33,6 +35,7 @@ class MotionMask {
   bool any_ = false;
   std::vector<int32_t> count_;  // one column and one row more than the frame
   std::vector<int64_t> speed_;  // sum, in units of 1 / kSpeedUnits pixels
+  std::vector<int64_t> depth_;  // sum of binary logarithms, in units of 1 / kDepthUnits
 };
 
 }  // namespace kairos

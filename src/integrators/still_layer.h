@@ -62,6 +62,13 @@ class StillLayer {
     return backdrops_;
   }
 
+  /// How many of the first `count` rays hit something nearer than `dist`.
+  uint32_t count_nearer(uint32_t count, double dist, Monitor& monitor) {
+    trace(count, monitor);
+    return static_cast<uint32_t>(
+        std::count_if(hits_.begin(), hits_.begin() + count, [&](const auto& hit) { return hit && hit->dist < dist; }));
+  }
+
   /// The mean over `all` rays, less that over the first `own` of them. time_of(sample time): when a ray looks.
   template <class TimeOf>
   LayerLook difference(uint32_t own, uint32_t all, Monitor& monitor, const TimeOf& time_of) {
