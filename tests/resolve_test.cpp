@@ -134,16 +134,16 @@ TEST(Resolve, IsTheLowerEnvelopeOfRandomPieces) {
 TEST(TimeBins, AHitThatSpansABinHidesWhatIsBehindThereAndNowhereElse) {
   TimeBins bins;
   bins.clear();
-  bins.cover(0, 0.5f, 2, 3);
-  EXPECT_EQ(bins.visible_until(0, 0.5f), 3);
-  EXPECT_EQ(bins.visible_until(0, 0.51f), INFINITY);
+  bins.cover(0, 0.5f, 3);
+  EXPECT_EQ(bins.visible_until(TimeBins::touched(0, 0.5f)), 3);
+  EXPECT_EQ(bins.visible_until(TimeBins::touched(0, 0.51f)), INFINITY);
   float begin = 0.25f, end = 1;
-  EXPECT_TRUE(bins.clip(3.5f, begin, end));
+  EXPECT_TRUE(TimeBins::clip(bins.reaching(3.5f), begin, end));
   EXPECT_EQ(begin, 0.5f);
   EXPECT_EQ(end, 1);
   begin = 0.1f, end = 0.4f;
-  EXPECT_FALSE(bins.clip(3.5f, begin, end));
-  EXPECT_TRUE(bins.clip(2.5f, begin, end));
+  EXPECT_FALSE(TimeBins::clip(bins.reaching(3.5f), begin, end));
+  EXPECT_TRUE(TimeBins::clip(bins.reaching(2.5f), begin, end));
 }
 
 TEST(TimeBins, RunsOfShortHitsCloseABin) {
@@ -152,10 +152,10 @@ TEST(TimeBins, RunsOfShortHitsCloseABin) {
   constexpr float kBin = 1.0f / TimeBins::kCount;
   // From both ends towards the middle: two open runs that meet.
   for (const float place : {0.0f, 0.75f, 0.25f, 0.5f}) {
-    EXPECT_EQ(bins.visible_until(0, kBin), INFINITY);
-    bins.cover(place * kBin, (place + 0.25f) * kBin, 1 + place, 1 + place);
+    EXPECT_EQ(bins.visible_until(TimeBins::touched(0, kBin)), INFINITY);
+    bins.cover(place * kBin, (place + 0.25f) * kBin, 1 + place);
   }
-  EXPECT_EQ(bins.visible_until(0, kBin), 1.75f);
+  EXPECT_EQ(bins.visible_until(TimeBins::touched(0, kBin)), 1.75f);
 }
 
 TEST(TimeBins, NeverHideWhatCanBeSeen) {
@@ -169,7 +169,7 @@ TEST(TimeBins, NeverHideWhatCanBeSeen) {
       const float begin = uniform(0, 0.95f), end = std::min(1.0f, begin + uniform(0.001f, 0.1f));
       const Segment h = hit(begin, end, uniform(1, 2), uniform(1, 2), static_cast<uint32_t>(i));
       hits.push_back(h);
-      bins.cover(h.begin, h.end, h.dist_begin, h.dist_end);
+      bins.cover(h.begin, h.end, std::max(h.dist_begin, h.dist_end));
     }
     for (int k = 0; k < 100; ++k) {
       const float time = uniform(0, 0.999f);
@@ -179,7 +179,7 @@ TEST(TimeBins, NeverHideWhatCanBeSeen) {
           nearest = std::min<double>(nearest,
                                      s.dist_begin + (time - s.begin) / (s.end - s.begin) * (s.dist_end - s.dist_begin));
       // The bin's bound is a farthest distance: nothing nearer than all hits at this instant may be cut off.
-      EXPECT_GE(bins.visible_until(time, std::nextafter(time, 2.0f)) * (1 + 1e-6), nearest);
+      EXPECT_GE(bins.visible_until(TimeBins::touched(time, std::nextafter(time, 2.0f))) * (1 + 1e-6), nearest);
     }
   }
 }

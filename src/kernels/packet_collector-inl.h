@@ -15,6 +15,7 @@
 #include <hwy/highway.h>
 
 #include "kernels/packet_test-inl.h"
+#include "kernels/time_bins-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kairos {
@@ -39,7 +40,7 @@ class PacketCollector {
     while (top != bottom) {
       StackEntry entry = *--top;
       float visible_until = std::numeric_limits<float>::infinity();
-      if (culls_ && !clip_entry(bins_, tree, entry, visible_until)) continue;
+      if (culls_ && !ClipEntry(bins_, tree, entry, visible_until)) continue;
       if ((entry.node & kLeafBit) == 0) {
         const auto& node = tree.nodes[entry.node];
         ++counters.nodes;
@@ -69,18 +70,72 @@ class PacketCollector {
       left &= ~(kGroup << first);
       TestPacket<kRays>(triangles_, first, packet_, visible_until_, hits_);
       states_[0].counters.root_solves += 3 * static_cast<uint64_t>(std::popcount(hits_.solved));
-      for (uint32_t mask = hits_.hit | hits_.rare; mask != 0; mask &= mask - 1) {
-        const size_t lane = static_cast<size_t>(std::countr_zero(mask));
-        Add(tree, block, lane, first + lane % kStep, states_[lane / kStep]);
+      AddHits<kStep>(tree, block, first);
+    }
+  }
+
+  /// kStep, first: lane i is triangle first + i % kStep and ray i / kStep.
+  template <size_t kStep>
+  HWY_INLINE void AddHits(const Tree<kMovingKeys>& tree, const TriangleBlock<kMovingKeys>& block, size_t first) {
+    PlaceInShutter(tree);
+    for (uint32_t mask = hits_.hit | hits_.rare; mask != 0; mask &= mask - 1) {
+      const size_t lane = static_cast<size_t>(std::countr_zero(mask));
+      const size_t triangle = first + lane % kStep;
+      RayState& state = states_[lane / kStep];
+      if (((hits_.rare | hits_.bent) >> lane & 1) != 0) {
+        AddSlowly(tree, block, lane, triangle, (hits_.rare >> lane & 1) != 0, state);
+        bins_changed_ = true;
+        continue;
+      }
+      const Segment hit{placed_.begin[lane],           placed_.end[lane],    hits_.dist_begin[lane],
+                        hits_.dist_end[lane],          block.mesh[triangle], block.triangle[triangle],
+                        (hits_.front >> lane & 1) != 0};
+      if (!(hit.begin < hit.end)) continue;
+      if (state.is_whole(hit.mesh)) {
+        bins_changed_ |= AddWhole(state, hit, static_cast<TimeBins::Mask>(placed_.touched[lane]),
+                                  static_cast<TimeBins::Mask>(placed_.filled[lane]));
+      } else {
+        state.add(hit);
+        bins_changed_ = true;
       }
     }
   }
 
-  HWY_INLINE void Add(const Tree<kMovingKeys>& tree, const TriangleBlock<kMovingKeys>& block, size_t lane,
-                      size_t triangle, RayState& state) {
-    const bool rare = (hits_.rare >> lane & 1) != 0;
-    if (rare || (hits_.bent >> lane & 1) != 0) return AddSlowly(tree, block, lane, triangle, rare, state);
-    state.add(to_segment(HitAt(lane), block.mesh[triangle], block.triangle[triangle], tree.time_begin, tree.time_end));
+  /// What of the hits can be computed for all lanes at once: times of the shutter, and the bins they touch and fill.
+  HWY_INLINE void PlaceInShutter(const Tree<kMovingKeys>& tree) {
+    const hn::CappedTag<float, kPacketLanes> d;
+    const hn::RebindToSigned<decltype(d)> di;
+    using V = hn::Vec<decltype(d)>;
+    const V one = hn::Set(d, 1.0f), bins = hn::Set(d, static_cast<float>(TimeBins::kCount));
+    const auto last_bin = hn::Set(di, TimeBins::kCount - 1), int_one = hn::Set(di, 1);
+    const V span_begin = hn::Set(d, tree.time_begin), span_end = hn::Set(d, tree.time_end);
+    const V length = hn::Sub(span_end, span_begin);
+    for (size_t lane = 0; lane < kPacketLanes; lane += hn::Lanes(d)) {
+      const auto to_shutter = [&](const float* times) HWY_ATTR {
+        const V time = hn::Load(d, times + lane);
+        return hn::IfThenElse(hn::Ge(time, one), span_end, hn::Add(span_begin, hn::Mul(time, length)));
+      };
+      const V begin = to_shutter(hits_.begin), end = to_shutter(hits_.end);
+      // As TimeBins::touched and filled. Lanes without a hit hold anything: their bins are kept within the mask.
+      const V from = hn::Mul(begin, bins), to = hn::Mul(end, bins);
+      const auto in_range = [&](auto bin) HWY_ATTR { return hn::Max(hn::Min(bin, last_bin), hn::Zero(di)); };
+      const auto first = in_range(hn::ConvertTo(di, from));
+      const auto at_end = hn::ConvertTo(di, to);
+      const auto is_bound = hn::RebindMask(di, hn::Eq(hn::ConvertTo(d, at_end), to));
+      const auto last = in_range(hn::Sub(at_end, hn::IfThenElseZero(is_bound, int_one)));
+      const auto after = hn::Add(last, int_one);
+      const auto inner_first =
+          hn::Add(first, hn::IfThenElseZero(hn::RebindMask(di, hn::Gt(from, hn::ConvertTo(d, first))), int_one));
+      const auto inner_after =
+          hn::Add(last, hn::IfThenElseZero(hn::RebindMask(di, hn::Ge(to, hn::ConvertTo(d, after))), int_one));
+      const auto span = [&](auto low, auto high)
+                            HWY_ATTR { return hn::Sub(hn::Shl(int_one, high), hn::Shl(int_one, low)); };
+      hn::Store(begin, d, placed_.begin + lane);
+      hn::Store(end, d, placed_.end + lane);
+      hn::Store(span(first, after), di, placed_.touched + lane);
+      hn::Store(hn::IfThenElseZero(hn::Lt(inner_first, inner_after), span(inner_first, inner_after)), di,
+                placed_.filled + lane);
+    }
   }
 
   HitInterval<float> HitAt(size_t lane) const {
@@ -105,7 +160,8 @@ class PacketCollector {
 
   /// What is hidden for every ray.
   HWY_INLINE void UpdateBins() {
-    if (!culls_) return;
+    if (!culls_ || !bins_changed_) return;
+    bins_changed_ = false;
     bins_.set_to_farthest(states_[0].bins);
     for (size_t i = 1; i < states_.size(); ++i) bins_.widen_to(states_[i].bins);
   }
@@ -115,11 +171,10 @@ class PacketCollector {
     if (!culls_) return;
     const float begin = to_shutter_time(entry.begin, tree.time_begin, tree.time_end) - kTimeSnap;
     const float end = to_shutter_time(entry.end, tree.time_begin, tree.time_end) + kTimeSnap;
+    const TimeBins::Mask touched = TimeBins::touched(std::max(begin, 0.0f), std::min(end, 1.0f));
     const size_t step = kPacketLanes / packet_.rays_per_register;
-    for (size_t i = 0; i < states_.size(); ++i) {
-      const float limit = states_[i].bins.visible_until(std::max(begin, 0.0f), std::min(end, 1.0f));
-      std::fill_n(visible_until_ + i * step, step, limit);
-    }
+    for (size_t i = 0; i < states_.size(); ++i)
+      std::fill_n(visible_until_ + i * step, step, VisibleUntil(states_[i].bins, touched));
   }
 
   const RayPacket& packet_;
@@ -130,6 +185,11 @@ class PacketCollector {
   alignas(64) float visible_until_[kPacketLanes];  // [lane]
   PacketTriangles triangles_;
   PacketHits hits_;
+  struct alignas(64) {
+    float begin[kPacketLanes], end[kPacketLanes];         // shutter time
+    int32_t touched[kPacketLanes], filled[kPacketLanes];  // bins
+  } placed_;                                              // of hits_
+  bool bins_changed_ = true;                              // has any ray closed a bin since bins_ was made?
 };
 
 }  // namespace HWY_NAMESPACE

@@ -73,6 +73,9 @@ struct RayState {
     counters.segments += segments.size() + veils.size();
   }
 
+  /// True when nothing of the mesh is missing and it is no veil.
+  bool is_whole(uint32_t mesh) const { return cut_outs == nullptr || !cut_outs->has(mesh); }
+
   /// Takes up what is known to be there for the whole shutter, if it has any duration.
   void add_backdrop(const Segment& hit) {
     if (hit.begin < hit.end) take_up(hit);
@@ -81,7 +84,7 @@ struct RayState {
   /// Takes up what is there of a hit in shutter time, unless something is known to hide it.
   void add(const Segment& hit) {
     if (!(hit.begin < hit.end) || is_hidden(hit)) return;
-    if (cut_outs == nullptr || !cut_outs->has(hit.mesh)) return take_up(hit);
+    if (is_whole(hit.mesh)) return take_up(hit);
     if (cut_outs->is_veil(hit.mesh)) return culls() ? veil_hits.push_back(hit) : take_up(hit);
     cut_outs->solid_times(ray, hit, present);
     const float slope = (hit.dist_end - hit.dist_begin) / hit.duration();
@@ -98,7 +101,7 @@ struct RayState {
   /// Whether a hit that lasts for the whole shutter, on what stands still, is there to hide what is behind it. What is
   /// met of a veil is taken up here.
   bool is_there(const Segment& hit) {
-    if (cut_outs == nullptr || !cut_outs->has(hit.mesh)) return true;
+    if (is_whole(hit.mesh)) return true;
     if (!cut_outs->is_veil(hit.mesh)) return cut_outs->solid(ray, hit.mesh, hit.triangle, hit.begin);
     if (culls()) veil_hits.push_back(hit);
     return !culls();
@@ -106,10 +109,11 @@ struct RayState {
 
  private:
   bool is_hidden(const Segment& hit) const {
-    return culls() && std::min(hit.dist_begin, hit.dist_end) > bins.visible_until(hit.begin, hit.end);
+    return culls() &&
+           (bins.reaching(std::min(hit.dist_begin, hit.dist_end)) & TimeBins::touched(hit.begin, hit.end)) == 0;
   }
   void take_up(const Segment& hit) {
-    if (culls()) bins.cover(hit.begin, hit.end, hit.dist_begin, hit.dist_end);
+    if (culls()) bins.cover(hit.begin, hit.end, std::max(hit.dist_begin, hit.dist_end));
     hits.push_back(hit);
   }
 };
@@ -149,29 +153,6 @@ void add_in_pieces(RayState& state, const FramedTriangle<Real>& f, const std::ar
     }
   }
   state.add(to_segment(hit, mesh, triangle, span_begin, span_end));
-}
-
-/// Takes from a stack entry's time what is hidden; false when nothing remains. visible_until: the farthest that what is
-/// in the entry can be and still be seen.
-inline bool clip_entry(const TimeBins& bins, const Tree<kMovingKeys>& tree, StackEntry& entry, float& visible_until) {
-  // Bins are in shutter time. Rounding may only widen the interval.
-  const bool whole_shutter = tree.time_begin == 0 && tree.time_end == 1;
-  float begin = entry.begin, end = entry.end;
-  if (!whole_shutter) {
-    begin = std::max(tree.time_begin, to_shutter_time(begin, tree.time_begin, tree.time_end) - kTimeSnap);
-    end = std::min(tree.time_end, to_shutter_time(end, tree.time_begin, tree.time_end) + kTimeSnap);
-  }
-  if (!bins.clip(entry.dist, begin, end)) return false;
-  if (whole_shutter) {
-    entry.begin = begin;
-    entry.end = end;
-  } else {
-    const float inv_span = 1 / (tree.time_end - tree.time_begin);
-    entry.begin = std::max(entry.begin, (begin - tree.time_begin) * inv_span - kTimeSnap);
-    entry.end = std::min(entry.end, (end - tree.time_begin) * inv_span + kTimeSnap);
-  }
-  if ((entry.node & kLeafBit) != 0) visible_until = bins.visible_until(begin, end);
-  return true;
 }
 
 }  // namespace kairos

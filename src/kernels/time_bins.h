@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <bit>
+#include <cstdint>
 #include <limits>
 
 namespace kairos {
@@ -17,46 +18,71 @@ inline constexpr float kTimeSnap = 1e-6f;
 /// A hit that spans a whole bin closes it at once. Small fast triangles span none alone, so each bin also keeps two
 /// open runs: stretches covered without a gap by hits so far, with their farthest distance. A run that grows to the
 /// whole bin closes it. docs/method.md, "Traversal and occlusion".
+///
+/// Sets of bins are masks with a bit per bin. What runs over all bins has a vector version in time_bins-inl.h.
 class TimeBins {
  public:
   static constexpr int kCount = 16;
+  using Mask = uint32_t;
 
   void clear() {
     hidden_behind_.fill(std::numeric_limits<float>::infinity());
-    for (auto& runs : runs_) runs[0].end = runs[1].end = -1;
+    for (auto& runs : runs_) runs = {Run::none(), Run::none()};
   }
 
-  /// The farthest anything in [begin, end] can be and still be seen.
-  float visible_until(float begin, float end) const {
-    const int last = last_bin(end);
+  /// Bins that [begin, end] touches, and those that it fills; 0 <= begin <= end <= 1.
+  static Mask touched(float begin, float end) { return (Mask{2} << last_bin(end)) - (Mask{1} << first_bin(begin)); }
+  static Mask filled(float begin, float end) {
+    const int first = first_bin(begin), last = last_bin(end);
+    const int from = first + (begin > first * kWidth ? 1 : 0), to = last + (end >= (last + 1) * kWidth ? 1 : 0);
+    return from < to ? (Mask{1} << to) - (Mask{1} << from) : 0;
+  }
+
+  /// Bins in which something at `dist` may be seen.
+  Mask reaching(float dist) const {
+    Mask bins = 0;
+    for (int bin = 0; bin < kCount; ++bin) bins |= Mask{hidden_behind(bin) >= dist} << bin;
+    return bins;
+  }
+
+  /// The farthest anything in `bins` can be and still be seen.
+  float visible_until(Mask bins) const {
     float farthest = 0;
-    for (int bin = first_bin(begin); bin <= last; ++bin) farthest = std::max(farthest, at(bin));
+    for (; bins != 0; bins &= bins - 1) farthest = std::max(farthest, hidden_behind(std::countr_zero(bins)));
     return farthest;
   }
 
-  /// Takes from [begin, end] what is hidden for things at `dist` or beyond; false when nothing remains.
-  bool clip(float dist, float& begin, float& end) const {
-    int first = first_bin(begin), last = last_bin(end);
-    if (dist <= at(first) && dist <= at(last)) return true;
-    while (first <= last && dist > at(first)) ++first;
-    if (first > last) return false;
-    while (dist > at(last)) --last;
-    begin = std::max(begin, static_cast<float>(first) * kWidth);
-    end = std::min(end, static_cast<float>(last + 1) * kWidth);
+  /// Cuts [begin, end] to the first and last bins it touches of those that reach far enough; false when there are none.
+  static bool clip(Mask reaching, float& begin, float& end) {
+    const Mask seen = reaching & touched(begin, end);
+    if (seen == 0) return false;
+    begin = std::max(begin, static_cast<float>(std::countr_zero(seen)) * kWidth);
+    end = std::min(end, static_cast<float>(std::bit_width(seen)) * kWidth);
     return true;
   }
 
-  /// An opaque hit over [begin, end], distances linear between both ends and not beyond them.
-  void cover(float begin, float end, float dist_begin, float dist_end) {
-    const int first = first_bin(begin), last = last_bin(end);
-    const float farthest = std::max(dist_begin, dist_end);
-    for (int bin = first; bin <= last; ++bin) {
+  /// An opaque hit over [begin, end], no farther than `farthest`.
+  void cover(float begin, float end, float farthest) {
+    const Mask whole = filled(begin, end);
+    close(whole, farthest);
+    grow_runs(touched(begin, end) & ~whole, begin, end, farthest);
+  }
+
+  /// Everything in `bins` behind `dist` is hidden.
+  void close(Mask bins, float dist) {
+    for (; bins != 0; bins &= bins - 1) close_one(std::countr_zero(bins), dist);
+  }
+
+  /// The part of cover() for bins that the hit does not fill. True when it has closed one.
+  bool grow_runs(Mask bins, float begin, float end, float farthest) {
+    bool closed = false;
+    for (; bins != 0; bins &= bins - 1) {
+      const int bin = std::countr_zero(bins);
+      if (!(farthest < hidden_behind(bin))) continue;
       const float bin_begin = static_cast<float>(bin) * kWidth, bin_end = static_cast<float>(bin + 1) * kWidth;
-      if (begin <= bin_begin && end >= bin_end)
-        close(bin, farthest);
-      else if (farthest < at(bin))
-        grow_run(bin, std::max(begin, bin_begin), std::min(end, bin_end), farthest);
+      closed |= grow_run(bin, {std::max(begin, bin_begin), std::min(end, bin_end), farthest});
     }
+    return closed;
   }
 
   /// For what is hidden from several rays at once: the farthest of each bin. Runs are no part of it.
@@ -66,16 +92,25 @@ class TimeBins {
       hidden_behind_[bin] = std::max(hidden_behind_[bin], other.hidden_behind_[bin]);
   }
 
-  /// Everything behind `dist` is hidden at all times.
-  void cover_all(float dist) {
-    for (int bin = 0; bin < kCount; ++bin) close(bin, dist);
-  }
+  /// [bin]: one AVX-512 register.
+  const float* hidden_behind() const { return hidden_behind_.data(); }
+  float* hidden_behind() { return hidden_behind_.data(); }
 
- private:
   static constexpr float kWidth = 1.0f / kCount;
 
+ private:
   struct Run {
-    float begin, end, farthest;  ///< end < begin: unused
+    float begin, end, farthest;
+
+    /// Touches nothing.
+    static Run none() { return {std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(), 0}; }
+    float duration() const { return end - begin; }
+    bool touches(const Run& other) const { return other.begin <= end + kTimeSnap && other.end >= begin - kTimeSnap; }
+    void join(const Run& other) {
+      begin = std::min(begin, other.begin);
+      end = std::max(end, other.end);
+      farthest = std::max(farthest, other.farthest);
+    }
   };
 
   static int first_bin(float begin) { return std::min(static_cast<int>(begin * kCount), kCount - 1); }
@@ -84,38 +119,35 @@ class TimeBins {
     const int bin = static_cast<int>(place);
     return std::min(static_cast<float>(bin) == place && bin > 0 ? bin - 1 : bin, kCount - 1);
   }
-  float at(int bin) const { return hidden_behind_[static_cast<size_t>(bin)]; }
-  void close(int bin, float dist) {
+  float hidden_behind(int bin) const { return hidden_behind_[static_cast<size_t>(bin)]; }
+  void close_one(int bin, float dist) {
     float& hidden = hidden_behind_[static_cast<size_t>(bin)];
     hidden = std::min(hidden, dist);
   }
 
-  static bool touch(const Run& a, float begin, float end) {
-    return begin <= a.end + kTimeSnap && end >= a.begin - kTimeSnap;
-  }
-
-  void grow_run(int bin, float begin, float end, float farthest) {
-    auto& runs = runs_[static_cast<size_t>(bin)];
+  /// True when the run has grown to the whole bin.
+  bool grow_run(int bin, Run grown) {
+    auto& [a, b] = runs_[static_cast<size_t>(bin)];
+    const bool joins_a = a.touches(grown), joins_b = b.touches(grown);
+    if (joins_a) grown.join(a);
+    if (joins_b) grown.join(b);
     const float bin_begin = static_cast<float>(bin) * kWidth, bin_end = static_cast<float>(bin + 1) * kWidth;
-    Run grown{begin, end, farthest};
-    bool joined = false;
-    for (Run& run : runs)
-      if (run.end >= 0 && touch(run, grown.begin, grown.end)) {
-        grown = {std::min(run.begin, grown.begin), std::max(run.end, grown.end),
-                 std::max(run.farthest, grown.farthest)};
-        run.end = -1;
-        joined = true;
-      }
     if (grown.begin <= bin_begin + kTimeSnap && grown.end >= bin_end - kTimeSnap) {
-      close(bin, grown.farthest);
-      return;
+      if (joins_a) a = Run::none();
+      if (joins_b) b = Run::none();
+      close_one(bin, grown.farthest);
+      return true;
     }
-    Run* slot = runs[0].end < 0 ? &runs[0] : runs[1].end < 0 ? &runs[1] : nullptr;
-    if (slot == nullptr && !joined) {  // both taken: the shorter one gives way
-      slot = runs[0].end - runs[0].begin < runs[1].end - runs[1].begin ? &runs[0] : &runs[1];
-      if (slot->end - slot->begin >= grown.end - grown.begin) return;
+    if (joins_a) {
+      a = grown;
+      if (joins_b) b = Run::none();
+    } else if (joins_b) {
+      b = grown;
+    } else {  // it takes the place of the shorter one, which may be none, if it is longer
+      Run& shorter = a.duration() < b.duration() ? a : b;
+      if (shorter.duration() < grown.duration()) shorter = grown;
     }
-    *slot = grown;
+    return false;
   }
 
   alignas(64) std::array<float, kCount> hidden_behind_;

@@ -18,6 +18,7 @@
 #include "kernels/block_test-inl.h"
 #include "kernels/node_test-inl.h"
 #include "kernels/packet_collector-inl.h"
+#include "kernels/time_bins-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kairos {
@@ -41,7 +42,8 @@ class Collector {
   /// The nearest hit, which hides what is behind it at all times; or all of them, where nothing is to be culled.
   HWY_INLINE void CollectStill(const Tree<kStaticKeys>& tree) {
     Segment nearest;
-    nearest.dist_begin = state_.culls() ? state_.bins.visible_until(0, 1) : std::numeric_limits<float>::infinity();
+    nearest.dist_begin =
+        state_.culls() ? state_.bins.visible_until(TimeBins::touched(0, 1)) : std::numeric_limits<float>::infinity();
     bool found = false;
     StackEntry* top = state_.stack.data();
     *top++ = {tree.root, 0, 0, 1};
@@ -87,7 +89,7 @@ class Collector {
     while (top != state_.stack.data()) {
       StackEntry entry = *--top;
       float visible_until = std::numeric_limits<float>::infinity();
-      if (state_.culls() && !clip_entry(state_.bins, tree, entry, visible_until)) continue;
+      if (state_.culls() && !ClipEntry(state_.bins, tree, entry, visible_until)) continue;
       if ((entry.node & kLeafBit) == 0) {
         const auto& node = tree.nodes[entry.node];
         ++state_.counters.nodes;
@@ -111,7 +113,8 @@ class Collector {
         AddSlowly(tree, block, lane, (hits.rare >> lane & 1) != 0, hits);
         continue;
       }
-      state_.add(to_segment(HitAt(hits, lane), block.mesh[lane], block.triangle[lane], tree.time_begin, tree.time_end));
+      AddHit(state_,
+             to_segment(HitAt(hits, lane), block.mesh[lane], block.triangle[lane], tree.time_begin, tree.time_end));
     }
   }
 
