@@ -1,11 +1,15 @@
 // Clusters of segments: fewer shading evaluations, the same mean, and everything that is not shading as before.
 #include <cmath>
+#include <random>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
 #include <kairos/render.h>
 
-#include "integrators/segment_shading.h"
+#include "integrators/packet_shading.h"
+#include "shading/surface.h"
+#include "soup.h"
 #include "whitted_scene.h"
 
 namespace kairos {
@@ -62,38 +66,42 @@ TEST(Clusters, TakeFewerEvaluationsAndLeaveTheRestAlone) {
 
 // Over many seeds, the mean with one sample per cluster is that with many per segment.
 TEST(Clusters, AreUnbiased) {
-  for (const auto mode : {Material::AlphaMode::opaque, Material::AlphaMode::blend})
-    for (const ShadingKind shading : {ShadingKind::normal, ShadingKind::whitted}) {
-      const Shot shot = flying_ball(true, mode);
-      Renderer renderer(shot);
-      const int pictures = 16;
-      const size_t pixels = static_cast<size_t>(shot.projection.width) * static_cast<size_t>(shot.projection.height);
-      std::vector<double> sum(pixels), squares(pixels);
-      for (int i = 0; i < pictures; ++i) {
-        RenderParams params = tc(shading, Clusters::on, 1);
-        params.sampler = SamplerKind::random;  // independent of other seeds' to the last bit
-        params.seed = static_cast<uint64_t>(i);
-        const Image with = renderer.render(params);
-        params.clusters = Clusters::off;
-        params.shading_samples = 16;
-        const Image exact = renderer.render(params);
-        for (size_t p = 0; p < pixels; ++p) {
-          const double difference = values(with, "G")[p] - values(exact, "G")[p];
-          sum[p] += difference;
-          squares[p] += difference * difference;
-        }
-      }
-      double bias = 0, square_noise = 0, bias_squares = 0;
+  using Mode = Material::AlphaMode;
+  using Case = std::tuple<Mode, ShadingKind, Clusters>;
+  for (const auto& [mode, shading, clusters] :
+       {Case{Mode::opaque, ShadingKind::normal, Clusters::on}, Case{Mode::blend, ShadingKind::normal, Clusters::on},
+        Case{Mode::opaque, ShadingKind::whitted, Clusters::on}, Case{Mode::blend, ShadingKind::whitted, Clusters::on},
+        Case{Mode::opaque, ShadingKind::normal, Clusters::pixel}}) {
+    const Shot shot = flying_ball(true, mode);
+    Renderer renderer(shot);
+    const int pictures = 16;
+    const size_t pixels = static_cast<size_t>(shot.projection.width) * static_cast<size_t>(shot.projection.height);
+    std::vector<double> sum(pixels), squares(pixels);
+    for (int i = 0; i < pictures; ++i) {
+      RenderParams params = tc(shading, clusters, 1);
+      params.sampler = SamplerKind::random;  // independent of other seeds' to the last bit
+      params.seed = static_cast<uint64_t>(i);
+      const Image with = renderer.render(params);
+      params.clusters = Clusters::off;
+      params.shading_samples = 16;
+      const Image exact = renderer.render(params);
       for (size_t p = 0; p < pixels; ++p) {
-        const double mean = sum[p] / pictures, variance = squares[p] / pictures - mean * mean;
-        bias += mean;
-        bias_squares += mean * mean;
-        square_noise += variance / (pictures - 1);
+        const double difference = values(with, "G")[p] - values(exact, "G")[p];
+        sum[p] += difference;
+        squares[p] += difference * difference;
       }
-      ASSERT_GT(square_noise, 0);
-      EXPECT_LT(std::abs(bias), 4.5 * std::sqrt(square_noise)) << "of the whole picture";
-      EXPECT_LT(bias_squares, 1.5 * square_noise) << "of single pixels";
     }
+    double bias = 0, square_noise = 0, bias_squares = 0;
+    for (size_t p = 0; p < pixels; ++p) {
+      const double mean = sum[p] / pictures, variance = squares[p] / pictures - mean * mean;
+      bias += mean;
+      bias_squares += mean * mean;
+      square_noise += variance / (pictures - 1);
+    }
+    ASSERT_GT(square_noise, 0);
+    EXPECT_LT(std::abs(bias), 4.5 * std::sqrt(square_noise)) << "of the whole picture";
+    EXPECT_LT(bias_squares, 1.5 * square_noise) << "of single pixels";
+  }
 }
 
 // What later stages are told: every instant of every segment exactly once, on its own triangle, at its own distance.
@@ -106,7 +114,7 @@ TEST(Clusters, PartsCoverEverySegmentExactly) {
   Tracer::Workspace workspace;
   size_t longest = 0;
   for (const int samples : {1, 4, 50}) {
-    SegmentShading shading(context, {samples, true});
+    SegmentShading shading(context, {samples, Clusters::on});
     for (int y = 0; y < shot.projection.height; ++y)
       for (int x = 0; x < shot.projection.width; ++x) {
         const SamplePoint point{0.3f, 0.6f, 0.7f};
@@ -136,20 +144,124 @@ TEST(Clusters, PartsCoverEverySegmentExactly) {
   EXPECT_GT(longest, 10u) << "a fine mesh";
 }
 
-// Whitted shading is worth it, the others are not; the picture says which it was.
-TEST(Clusters, AutomaticIsOnForWhitted) {
+// The same of rays that are shaded together, over more parts than there are segments, and over fewer.
+TEST(PixelClusters, PartsCoverEverySegmentOfEveryRayExactly) {
+  const Shot shot = flying_ball(true);
+  const Shader shader(shot, ShadingKind::normal, false);
+  const PixelContext context{CameraRays(shot.projection), Sampler(SamplerKind::owen_sobol, 16, 0),
+                             PixelFilter(FilterKind::box), shader};
+  const Tracer tracer(shot.meshes, {Precision::fast, {}});
+  Tracer::Workspace workspace;
+  size_t shared = 0, cut = 0;
+  for (const int samples : {1, 8, 300}) {
+    PacketShading shading(context, {samples, Clusters::pixel});
+    for (int y = 0; y < shot.projection.height; ++y)
+      for (int x = 0; x < shot.projection.width; ++x) {
+        std::vector<Ray> rays;
+        std::vector<float> phases(16, 0.5f);
+        const Sampler::Pixel pixel = context.sampler.pixel(x, y);
+        for (uint32_t i = 0; i < 16; ++i) rays.push_back(context.ray(x, y, context.sampler.point(pixel, i)));
+        const auto seen = tracer.trace_packet(rays, Visibility::visible, workspace);
+        std::vector<ShadedSegment> parts;
+        std::vector<size_t> ends;
+        const uint64_t before = shading.evaluations();
+        shading.shade({rays, seen, phases, pixel.seed, 0}, parts, ends);
+        ASSERT_EQ(ends.size(), rays.size());
+        size_t next = 0, segments = 0;
+        for (size_t r = 0; r < rays.size(); ++r) {
+          for (const Segment& segment : seen[r].segments) {
+            ++segments;
+            float time = segment.begin, dist = segment.dist_begin;
+            for (; next < ends[r] && parts[next].end <= segment.end; ++next) {
+              EXPECT_EQ(parts[next].begin, time);
+              EXPECT_LT(parts[next].begin, parts[next].end);
+              EXPECT_EQ(parts[next].dist_begin, dist);
+              EXPECT_EQ(parts[next].triangle, segment.triangle);
+              time = parts[next].end;
+              dist = parts[next].dist_end;
+            }
+            EXPECT_EQ(time, segment.end);
+            EXPECT_EQ(dist, segment.dist_end);
+          }
+          EXPECT_EQ(next, ends[r]);
+        }
+        shared += shading.evaluations() - before < segments;
+        cut += parts.size() > segments;
+      }
+  }
+  EXPECT_GT(shared, 0u);
+  EXPECT_GT(cut, 0u);
+}
+
+// With enough samples the colour is that of shading every segment by itself, many times over: of single-sided and
+// shiny turns too.
+TEST(PixelClusters, ConvergeToTheSegmentsOwnColours) {
+  for (const bool smooth : {true, false}) {
+    const Shot shot = flying_ball(smooth);
+    RenderParams params = tc(ShadingKind::normal, Clusters::off, 64);
+    params.tc_rays = 16;
+    const Image exact = render(shot, params);
+    params.clusters = Clusters::pixel;
+    double few = 0, many = 0;
+    for (const int samples : {1, 64}) {
+      params.shading_samples = samples;
+      RenderStats stats;
+      const Image image = render(shot, params, &stats);
+      double& sum = samples == 1 ? few : many;
+      for (const char* channel : {"R", "G", "B"})
+        for (size_t i = 0; i < values(exact, channel).size(); ++i)
+          sum += std::pow(
+              static_cast<double>(values(image, channel)[i]) - static_cast<double>(values(exact, channel)[i]), 2);
+    }
+    EXPECT_LT(std::sqrt(many / (3 * 16 * 12)), 5e-4) << "of unit colours, smooth " << smooth;
+    if (smooth) {
+      EXPECT_LT(many, 0.1 * few);
+    }
+  }
+}
+
+// Triangles turn while they fly: what is found to vary does, and by no more than is said.
+TEST(ColourVariation, BoundsHowNormalsDiffer) {
+  const uint32_t seed = test::seed();
+  std::mt19937 random(seed);
+  Shot shot;
+  shot.meshes = {test::random_soup(random, test::Motion::deform, 50),
+                 test::random_soup(random, test::Motion::still, 50)};
+  shot.meshes[1].positions.resize(1);
+  shot.materials.resize(1);
+  const Shader shader(shot, ShadingKind::normal, false);
+  size_t vary = 0;
+  for (uint32_t m = 0; m < 2; ++m)
+    for (uint32_t t = 0; t < shot.meshes[m].triangles.size(); ++t) {
+      const auto normal_at = [&](float time) { return geometric_normal(triangle_at(shot.meshes[m], t, time)); };
+      for (int k = 0; k < 8; ++k) {
+        const float begin = static_cast<float>(k) / 8, end = begin + 0.125f;
+        const double difference = length(normal_at(end) - normal_at(begin));
+        const float said = shader.variation(m, t, end - begin);
+        EXPECT_GE(said + 1e-5, std::min<double>(difference, 3.9 / 8)) << "seed " << seed;  // the table ends there
+        vary += said > 0.02f;
+      }
+      if (m == 1) {
+        EXPECT_EQ(shader.variation(m, t, 1), 0);
+      }
+    }
+  EXPECT_GT(vary, 50u);
+}
+
+// Clusters of a ray are worth it for Whitted shading, those of a pixel for the others; the picture says which it was.
+TEST(Clusters, AutomaticIsOnForWhittedAndPixelForOthers) {
   const Shot shot = flying_ball(true);
   for (const ShadingKind shading : {ShadingKind::normal, ShadingKind::flat, ShadingKind::whitted}) {
-    const bool expected = shading == ShadingKind::whitted;
+    const bool dear = shading == ShadingKind::whitted;
     RenderParams params = tc(shading, Clusters::automatic, 2);
     const Image automatic = render(shot, params);
-    params.clusters = expected ? Clusters::on : Clusters::off;
+    params.clusters = dear ? Clusters::on : Clusters::pixel;
     const Image chosen = render(shot, params);
     EXPECT_EQ(values(automatic, "R"), values(chosen, "R"));
     std::string said;
     for (const Attribute& attribute : automatic.attributes)
       if (attribute.name == "kairos:clusters") said = std::get<std::string>(attribute.value);
-    EXPECT_EQ(said, expected ? "on" : "off");
+    EXPECT_EQ(said, dear ? "on" : "pixel");
   }
 }
 

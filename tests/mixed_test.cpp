@@ -60,6 +60,26 @@ TEST(MotionMask, HoldsEveryPixelInWhichSomethingMovingIsSeen) {
   }
 }
 
+TEST(MotionMask, KnowsTheDirectionOfMotionThatHasOne) {
+  const auto triangle = [](Vec3f motion) {
+    Mesh mesh;
+    mesh.triangles = {{0, 1, 2}};
+    mesh.positions = {{{-1, -1, -4}, {1, -1, -4}, {0, 1, -4}}};
+    mesh.positions.push_back(mesh.positions[0]);
+    for (Vec3f& p : mesh.positions[1]) p += motion;
+    mesh.key_times = {0, 1};
+    return mesh;
+  };
+  const int x = kWidth / 2, y = kHeight / 2;
+  // The screen's second axis points down. There and back again is one direction.
+  const MotionMask along(shot_of({triangle({0.2f, -0.1f, 0}), triangle({-0.1f, 0.05f, 0})}), 0);
+  ASSERT_TRUE(along.direction(x, y).has_value());
+  EXPECT_NEAR(*along.direction(x, y), std::atan2(1, 2), 0.01);
+  const MotionMask apart(shot_of({triangle({0.2f, 0, 0}), triangle({0, 0.2f, 0})}), 0);
+  EXPECT_FALSE(apart.direction(x, y).has_value());
+  EXPECT_FALSE(along.direction(0, 0).has_value()) << "nothing moves there";
+}
+
 TEST(MotionMask, FollowsPathsPastTheCamera) {
   // From straight ahead to behind the camera on the right: on screen it leaves by the right border.
   Mesh bar;

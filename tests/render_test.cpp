@@ -192,6 +192,7 @@ TEST(Render, StatsCountWhatWasDone) {
   RenderParams params = flat(IntegratorKind::tc, 3);
   params.shading = ShadingKind::normal;
   params.shading_samples = 5;
+  params.clusters = Clusters::off;
   render(shot, params, &stats);
   EXPECT_EQ(stats.rays, 3u * kWidth * kHeight);
   EXPECT_EQ(stats.segments, stats.rays);

@@ -192,7 +192,9 @@ void add_sampling_options(CLI::App& app, RenderArguments& out) {
   add_count(app, "--shading-samples", params.shading_samples, 1, kMostShadingSamples,
             "Shading samples per time-continuous ray");
   add_choice(app, "--clusters", params.clusters, kClustersNames,
-             "Shade triangles that follow on each other smoothly as one; auto: whitted does, others don't");
+             "What is shaded as one. on: triangles that follow on each other smoothly; pixel: a triangle, over a "
+             "pixel's rays; "
+             "off: nothing. auto: on for whitted, pixel for the others");
   add_count(app, "--spp", params.spp, 1, kMostSamples,
             "Samples per pixel of qmc; of mixed: discrete rays; of auto: the budget");
   add_choice(app, "--sampler", params.sampler, kSamplerNames, "Where in the pixel, and when, samples are taken");

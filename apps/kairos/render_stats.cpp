@@ -22,6 +22,7 @@ std::string stats_text(const RenderParams& params, const Shot& shot, const Rende
   json["shot_seconds"] = timings.shot;
   json["build_seconds"] = stats.build_seconds;
   json["render_seconds"] = stats.render_seconds;
+  json["render_cpu_seconds"] = stats.render_cpu_seconds;
   json["write_seconds"] = timings.write;
   json["peak_memory_bytes"] = peak_memory_bytes();
   json["geometry_memory_bytes"] = mesh_bytes(shot.meshes);

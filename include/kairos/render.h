@@ -35,8 +35,9 @@ enum class ShadingKind {
 };
 /// What gets a shading sample of its own along a time-continuous ray.
 enum class Clusters {
-  automatic,  ///< on where shading costs more than tracing: whitted
+  automatic,  ///< on where shading costs more than tracing: whitted; pixel for the others
   on,         ///< each cluster: segments that touch, of triangles that join smoothly
+  pixel,      ///< each triangle, for all rays of the pixel that are traced together
   off,        ///< each segment
 };
 enum class FilterKind {

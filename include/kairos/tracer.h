@@ -141,10 +141,11 @@ class Tracer {
   /// rounding. Only Precision::fast knows packets. What the rays share is counted once.
   ///
   /// backdrops: none, or for each ray what it is known to see if nothing else is in front: a hit over the whole
-  /// shutter; one without duration says that there is nothing. Throws Error(bad_usage) for more than 16 rays, or
-  /// another number of backdrops.
+  /// shutter; one without duration says that there is nothing. together: false to go through the trees one by one,
+  /// which is faster where rays share little. Throws Error(bad_usage) for more than 16 rays, or another number of
+  /// backdrops.
   std::span<const SeenByRay> trace_packet(std::span<const Ray> rays, Visibility visibility, Workspace& workspace,
-                                          std::span<const Segment> backdrops = {}) const;
+                                          std::span<const Segment> backdrops = {}, bool together = true) const;
 
   /// Many rays, in parallel; without veils. The result does not depend on the number of threads.
   SegmentBatch trace(std::span<const Ray> rays, Visibility visibility, TraceCounters* counters = nullptr) const;

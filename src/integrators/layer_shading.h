@@ -26,7 +26,7 @@ class LayerShading {
     const std::span<const Segment> stretches = layers_.stretches();
     const auto index_of = [&](const Segment& stretch) { return static_cast<size_t>(&stretch - stretches.data()); };
     const auto joined = [&](const Segment& first, const Segment& second) {
-      return options.clusters && layers_joined(index_of(first), index_of(second));
+      return options.clusters == Clusters::on && layers_joined(index_of(first), index_of(second));
     };
     const auto varies = [&](const Segment& stretch) {
       for (const uint32_t veil : layers_.before(index_of(stretch)))

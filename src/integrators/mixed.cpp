@@ -12,7 +12,7 @@
 #include "integrators/integrator.h"
 #include "integrators/motion_mask.h"
 #include "integrators/packet_choice.h"
-#include "integrators/segment_shading.h"
+#include "integrators/packet_shading.h"
 #include "integrators/still_layer.h"
 
 namespace kairos {
@@ -127,10 +127,10 @@ class MixedIntegrator : public Integrator {
       shaded_.clear();
       rays_.clear();
       double still = 0;
-      const uint32_t together = integrator_.packets_.size(plan.tc_rays);
-      for (uint32_t begin = 0; begin < plan.tc_rays; begin += together) {
+      constexpr uint32_t kMostRays = Tracer::kMaxPacket;
+      for (uint32_t begin = 0; begin < plan.tc_rays; begin += kMostRays) {
         if (begin % kRaysPerPoll == 0) monitor.poll();
-        const uint32_t size = std::min(together, plan.tc_rays - begin);
+        const uint32_t size = std::min(kMostRays, plan.tc_rays - begin);
         for (uint32_t i = 0; i < size; ++i) {
           const SamplePoint point = context_.sampler.point(pixel, begin + i);
           batch_[i] = context_.ray(x, y, point);
@@ -138,14 +138,17 @@ class MixedIntegrator : public Integrator {
         }
         std::span<const Segment> backdrops;
         if (integrator_.backdrops_) backdrops = still_layer_.backdrops(begin, size, monitor);
-        const auto seen =
-            integrator_.tracer_.trace_packet(std::span(batch_).first(size), Visibility::visible, workspace_, backdrops);
+        const std::span<const Ray> rays = std::span(batch_).first(size);
+        const auto seen = integrator_.tracer_.trace_packet(rays, Visibility::visible, workspace_, backdrops,
+                                                           integrator_.packets_.together(plan.tc_rays));
+        parts_.clear();
+        ends_.clear();
+        shading_.shade({rays, seen, std::span(times_).first(size), pixel.seed, begin}, parts_, ends_);
         for (uint32_t i = 0; i < size; ++i) {
-          const size_t first = shaded_.size();
-          const auto& [segments, veils] = seen[i];
-          shading_.shade(batch_[i], segments, veils, pixel.seed, begin + i, times_[i], shaded_);
-          still += fill_background(first);
-          rays_.push_back({first, shaded_.size(), static_cast<uint32_t>(segments.size() + veils.size())});
+          const size_t first = shaded_.size(), first_part = i == 0 ? 0 : ends_[i - 1];
+          still += append_with_background(std::span(parts_).subspan(first_part, ends_[i] - first_part));
+          rays_.push_back(
+              {first, shaded_.size(), static_cast<uint32_t>(seen[i].segments.size() + seen[i].veils.size())});
         }
       }
       if (still > 0 && !integrator_.still_layer_is_empty_) {
@@ -171,10 +174,8 @@ class MixedIntegrator : public Integrator {
       return part.mesh == kNoMesh || integrator_.shot_.meshes[part.mesh].is_static();
     }
 
-    /// Puts segments of background into the gaps of the ray whose parts begin at `first`; returns how long it sees what
-    /// is still.
-    double fill_background(size_t first) {
-      const size_t end = shaded_.size();
+    /// Appends a ray's parts, with segments of background in their gaps; returns how long it sees what is still.
+    double append_with_background(std::span<const ShadedSegment> parts) {
       double still = 0;
       float from = 0;
       const auto fill_until = [&](float time) {
@@ -184,10 +185,11 @@ class MixedIntegrator : public Integrator {
         shaded_.push_back(gap);
         still += time - from;
       };
-      for (size_t i = first; i < end; ++i) {
-        fill_until(shaded_[i].begin);
-        from = shaded_[i].end;
-        if (is_still(shaded_[i])) still += shaded_[i].end - shaded_[i].begin;
+      for (const ShadedSegment& part : parts) {
+        fill_until(part.begin);
+        from = part.end;
+        if (is_still(part)) still += part.end - part.begin;
+        shaded_.push_back(part);
       }
       fill_until(1);
       return still;
@@ -232,7 +234,9 @@ class MixedIntegrator : public Integrator {
     const MixedIntegrator& integrator_;
     const PixelContext& context_;
     Tracer::Workspace workspace_;
-    SegmentShading shading_;
+    PacketShading shading_;
+    std::vector<ShadedSegment> parts_;   // of a packet's rays
+    std::vector<size_t> ends_;           // [ray]: of its part of parts_
     std::vector<ShadedSegment> shaded_;  // of all of a pixel's time-continuous rays
     std::vector<RayParts> rays_;
     std::vector<Stretch> stretches_;

@@ -9,6 +9,10 @@ namespace {
 
 /// Pixels per shutter are kept as integers, so that sums do not depend on their order.
 constexpr double kSpeedUnits = 64;
+/// No single triangle decides about the direction of many.
+constexpr double kHighestWeight = 1e3;
+/// Motion whose directions agree to this share, 0 to 1, has one: all within about 20 degrees.
+constexpr double kLeastAgreement = 0.9;
 /// So are binary logarithms of depths, from 2^-kDepthRange to 2^kDepthRange.
 constexpr double kDepthUnits = 4096, kDepthRange = 40;
 /// Faster than this counts as this: paths that pass the camera have no bound on screen.
@@ -75,6 +79,9 @@ MotionMask::MotionMask(const Shot& shot, double margin)
   count_.assign(columns * rows, 0);
   speed_.assign(columns * rows, 0);
   depth_.assign(columns * rows, 0);
+  along_.assign(columns * rows, 0);
+  across_.assign(columns * rows, 0);
+  weight_.assign(columns * rows, 0);
   const ToScreen to_screen(shot.projection);
   for (const Mesh& mesh : shot.meshes) {
     if (mesh.is_static()) continue;
@@ -83,6 +90,7 @@ MotionMask::MotionMask(const Shot& shot, double margin)
         if (mesh.key_times[key] == mesh.key_times[key + 1]) continue;
         std::array<Vec3d, 6> points;
         double path = 0, nearest = INFINITY;
+        Vec2d longest;  // of the paths on screen
         for (size_t v = 0; v < 3; ++v) {
           points[v] = to_double(mesh.positions[key][triangle[v]]);
           points[v + 3] = to_double(mesh.positions[key + 1][triangle[v]]);
@@ -91,7 +99,10 @@ MotionMask::MotionMask(const Shot& shot, double margin)
             path = kHighestSpeed;
           } else {
             const Vec2d a = to_screen(points[v]), b = to_screen(points[v + 3]);
-            path = std::max(path, std::hypot(b.x - a.x, b.y - a.y));
+            const double length = std::hypot(b.x - a.x, b.y - a.y);
+            if (length <= path) continue;
+            path = length;
+            longest = {b.x - a.x, b.y - a.y};
           }
         }
         const ScreenBounds b = bounds_of_hull(points, to_screen);
@@ -110,11 +121,20 @@ MotionMask::MotionMask(const Shot& shot, double margin)
         const int64_t speed = std::llround(std::min(path / duration, kHighestSpeed) * kSpeedUnits);
         const double logarithm = nearest > 0 ? std::log2(nearest) : -kDepthRange;
         const int64_t depth = std::llround(std::clamp(logarithm, -kDepthRange, kDepthRange) * kDepthUnits);
+        // Of a line's direction, twice its angle is what can be added up: there and back are one direction.
+        const double length_2 = longest.x * longest.x + longest.y * longest.y;
+        const double weight = length_2 > 0 ? std::min(path / duration, kHighestWeight) * kSpeedUnits : 0;
+        const double share = length_2 > 0 ? weight / length_2 : 0;
+        const int64_t along = std::llround(share * (longest.x * longest.x - longest.y * longest.y));
+        const int64_t across = std::llround(share * 2 * longest.x * longest.y), whole = std::llround(weight);
         any_ = true;
         const auto add = [&](size_t x, size_t y, int sign) {
           count_[y * columns + x] += sign;
           speed_[y * columns + x] += sign * speed;
           depth_[y * columns + x] += sign * depth;
+          along_[y * columns + x] += sign * along;
+          across_[y * columns + x] += sign * across;
+          weight_[y * columns + x] += sign * whole;
         };
         add(x0, y0, 1);
         add(x1, y0, -1);
@@ -122,18 +142,24 @@ MotionMask::MotionMask(const Shot& shot, double margin)
         add(x1, y1, 1);
       }
   }
+  sum_up(count_);
+  for (std::vector<int64_t>* plane : {&speed_, &depth_, &along_, &across_, &weight_}) sum_up(*plane);
+}
+
+template <class Number>
+void MotionMask::sum_up(std::vector<Number>& plane) const {
+  const size_t columns = static_cast<size_t>(width_) + 1, rows = static_cast<size_t>(height_) + 1;
   for (size_t y = 0; y < rows; ++y)
-    for (size_t x = 1; x < columns; ++x) {
-      count_[y * columns + x] += count_[y * columns + x - 1];
-      speed_[y * columns + x] += speed_[y * columns + x - 1];
-      depth_[y * columns + x] += depth_[y * columns + x - 1];
-    }
+    for (size_t x = 1; x < columns; ++x) plane[y * columns + x] += plane[y * columns + x - 1];
   for (size_t y = 1; y < rows; ++y)
-    for (size_t x = 0; x < columns; ++x) {
-      count_[y * columns + x] += count_[(y - 1) * columns + x];
-      speed_[y * columns + x] += speed_[(y - 1) * columns + x];
-      depth_[y * columns + x] += depth_[(y - 1) * columns + x];
-    }
+    for (size_t x = 0; x < columns; ++x) plane[y * columns + x] += plane[(y - 1) * columns + x];
+}
+
+std::optional<double> MotionMask::direction(int x, int y) const {
+  const auto along = static_cast<double>(at(along_, x, y)), across = static_cast<double>(at(across_, x, y));
+  const auto weight = static_cast<double>(at(weight_, x, y));
+  if (!(weight > 0) || std::hypot(along, across) < kLeastAgreement * weight) return std::nullopt;
+  return 0.5 * std::atan2(across, along);
 }
 
 double MotionMask::speed(int x, int y) const {

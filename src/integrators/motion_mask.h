@@ -1,6 +1,7 @@
 // Where on screen anything moves relative to the camera, and how fast: pixels outside never pay for it.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <kairos/scene.h>
@@ -22,10 +23,16 @@ class MotionMask {
   double speed(int x, int y) const;
   /// Geometric mean over the same triangles of the depth of the nearest vertex, in scene units; infinity without any.
   double depth(int x, int y) const;
+  /// Radians from the first axis of the screen towards the second, of motion there and back alike; nothing where what
+  /// moves goes different ways.
+  std::optional<double> direction(int x, int y) const;
   /// True when no pixel moves.
   bool empty() const { return !any_; }
 
  private:
+  /// From differences at corners to sums.
+  template <class Number>
+  void sum_up(std::vector<Number>& plane) const;
   template <class Number>
   Number at(const std::vector<Number>& plane, int x, int y) const {
     return plane[static_cast<size_t>(y) * static_cast<size_t>(width_ + 1) + static_cast<size_t>(x)];
@@ -36,6 +43,8 @@ class MotionMask {
   std::vector<int32_t> count_;  // one column and one row more than the frame
   std::vector<int64_t> speed_;  // sum, in units of 1 / kSpeedUnits pixels
   std::vector<int64_t> depth_;  // sum of binary logarithms, in units of 1 / kDepthUnits
+  // Sums of weight times the cosine and the sine of twice the direction's angle, and of the weights: speeds.
+  std::vector<int64_t> along_, across_, weight_;
 };
 
 }  // namespace kairos

@@ -32,7 +32,7 @@ inline constexpr std::pair<std::string_view, Aov> kAovNames[] = {
     {"coverage", Aov::coverage}, {"segments", Aov::segments}, {"mesh", Aov::mesh}};
 
 inline constexpr std::pair<std::string_view, Clusters> kClustersNames[] = {
-    {"auto", Clusters::automatic}, {"on", Clusters::on}, {"off", Clusters::off}};
+    {"auto", Clusters::automatic}, {"on", Clusters::on}, {"pixel", Clusters::pixel}, {"off", Clusters::off}};
 
 template <class Value, size_t N>
 constexpr std::string_view name_of(const std::pair<std::string_view, Value> (&names)[N], Value value) {

@@ -12,11 +12,8 @@ namespace kairos {
 struct PacketChoice {
   bool large = true, small = true;  ///< packets of more than four rays, and of three or four
 
-  /// How many of a pixel's `count` rays go together.
-  uint32_t size(uint32_t count) const {
-    const bool together = count > 4 ? large : count > 2 && small;
-    return together ? static_cast<uint32_t>(Tracer::kMaxPacket) : 1;
-  }
+  /// Do a pixel's `count` rays go together?
+  bool together(uint32_t count) const { return count > 4 ? large : count > 2 && small; }
 };
 
 /// From the work of a few rays, spread over the picture, traced both ways: no clock is asked.

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "integrators/motion_mask.h"
-#include "integrators/segment_shading.h"
+#include "integrators/packet_shading.h"
 
 namespace kairos {
 
@@ -41,8 +41,11 @@ RayWork sample_ray_work(const PixelContext& context, const Shot& shot, const Mot
   const Sampler sampler(SamplerKind::owen_sobol, kTries, 0);
   const Sampler::Pixel place = sampler.pixel(0, 0);
   Tracer::Workspace workspace;
-  SegmentShading shading(context, options);
+  PacketShading shading(context, options);
   std::vector<ShadedSegment> shaded;
+  std::vector<size_t> ends;
+  std::array<float, kRays> phases;
+  phases.fill(0.5f);
   std::array<Ray, kRays> rays;
   int pixels = 0;
   for (uint32_t i = 0; i < kTries && pixels < kPixels; ++i) {
@@ -55,10 +58,9 @@ RayWork sample_ray_work(const PixelContext& context, const Shot& shot, const Mot
     const uint32_t count = std::min(kRays, context.sampler.count());
     for (uint32_t k = 0; k < count; ++k) rays[k] = context.ray(x, y, context.sampler.point(pixel, k));
     const auto seen = tracer.trace_packet(std::span(rays).first(count), Visibility::visible, workspace);
-    for (uint32_t k = 0; k < count; ++k) {
-      shaded.clear();
-      shading.shade(rays[k], seen[k].segments, seen[k].veils, pixel.seed, k, 0.5f, shaded);
-    }
+    shaded.clear();
+    ends.clear();
+    shading.shade({std::span(rays).first(count), seen, std::span(phases).first(count), pixel.seed, 0}, shaded, ends);
   }
   const TraceCounters& sum = workspace.counters();
   if (sum.rays == 0) return {};

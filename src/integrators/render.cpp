@@ -113,7 +113,7 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
   if (params.integrator == IntegratorKind::mixed) put("kairos:tc_rays", params.tc_rays);
   if (params.integrator != IntegratorKind::qmc) {
     put("kairos:shading_samples", params.shading_samples);
-    put("kairos:clusters", std::string(shading_options(params).clusters ? "on" : "off"));
+    put("kairos:clusters", std::string(name_of(kClustersNames, shading_options(params).clusters)));
   }
   put("kairos:sampler", std::string(name_of(kSamplerNames, params.sampler)));
   put("kairos:shading", std::string(name_of(kAllShadingNames, params.shading)));

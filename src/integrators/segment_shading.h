@@ -11,6 +11,19 @@
 
 namespace kairos {
 
+/// Of a segment the part from `begin` to `end`, with its look.
+inline ShadedSegment part_of(const Segment& segment, float begin, float end, const Shade& shade) {
+  return {begin,
+          end,
+          distance_at(segment, begin),
+          distance_at(segment, end),
+          shade.colour,
+          shade.normal,
+          shade.albedo,
+          segment.mesh,
+          segment.triangle};
+}
+
 /// One thread's scratch memory.
 class SegmentShading {
  public:
@@ -30,14 +43,17 @@ class SegmentShading {
     }
     spread_samples(
         segments, options_.samples, share, phase,
-        [&](const Segment& first, const Segment& second) { return options_.clusters && shader.joined(first, second); },
+        [&](const Segment& first, const Segment& second) {
+          return options_.clusters == Clusters::on && shader.joined(first, second);
+        },
         [&](const Segment& s) { return shader.varies(s.mesh); }, samples_);
     for (const ShadingSample& sample : samples_) {
       const Segment& seen = segments[sample.segment];
       const Shade shade = shader.shade(ray, seen.mesh, seen.triangle, sample.time, key_);
       ++key_.index;
       for (size_t i = sample.first; i < segments.size() && segments[i].begin < sample.end; ++i)
-        out.push_back(part_of(segments[i], sample, shade));
+        out.push_back(part_of(segments[i], std::max(segments[i].begin, sample.begin),
+                              std::min(segments[i].end, sample.end), shade));
     }
     evaluations_ += samples_.size();
   }
@@ -46,20 +62,6 @@ class SegmentShading {
 
  private:
   static constexpr uint64_t kShareDimension = 3;  // beside x, y and time
-
-  /// What the sample stands for within the segment.
-  static ShadedSegment part_of(const Segment& segment, const ShadingSample& sample, const Shade& shade) {
-    const float begin = std::max(segment.begin, sample.begin), end = std::min(segment.end, sample.end);
-    return {begin,
-            end,
-            distance_at(segment, begin),
-            distance_at(segment, end),
-            shade.colour,
-            shade.normal,
-            shade.albedo,
-            segment.mesh,
-            segment.triangle};
-  }
 
   const PixelContext& context_;
   ShadingOptions options_;

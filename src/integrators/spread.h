@@ -13,13 +13,12 @@ namespace kairos {
 
 /// How time-continuous rays are shaded. See RenderParams.
 struct ShadingOptions {
-  int samples = 8;  ///< per ray
-  bool clusters = true;
+  int samples = 8;                   ///< per ray
+  Clusters clusters = Clusters::on;  ///< not automatic
 };
 inline ShadingOptions shading_options(const RenderParams& params) {
-  const bool is_dear = params.shading == ShadingKind::whitted;
-  return {params.shading_samples,
-          params.clusters == Clusters::on || (params.clusters == Clusters::automatic && is_dear)};
+  if (params.clusters != Clusters::automatic) return {params.shading_samples, params.clusters};
+  return {params.shading_samples, params.shading == ShadingKind::whitted ? Clusters::on : Clusters::pixel};
 }
 
 /// A stretch of a cluster of segments, and the instant at which it is shaded: its duration is the sample's weight.

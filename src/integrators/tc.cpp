@@ -2,9 +2,10 @@
 #include <algorithm>
 #include <array>
 
+#include "integrators/aligned_points.h"
 #include "integrators/integrator.h"
 #include "integrators/packet_choice.h"
-#include "integrators/segment_shading.h"
+#include "integrators/packet_shading.h"
 
 namespace kairos {
 
@@ -12,9 +13,11 @@ namespace {
 
 class TcIntegrator : public Integrator {
  public:
-  TcIntegrator(const Shot& shot, const Tracer& tracer, ShadingOptions shading, const PixelContext& context)
+  TcIntegrator(const Shot& shot, const MotionMask& mask, const Tracer& tracer, ShadingOptions shading,
+               const PixelContext& context)
       : context_(context),
         shading_(shading),
+        mask_(mask),
         tracer_(tracer),
         packets_(choose_packets(context, shot.projection, tracer)) {}
 
@@ -28,22 +31,26 @@ class TcIntegrator : public Integrator {
 
     void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
-      const uint32_t count = context_.sampler.count(), together = integrator_.packets_.size(count);
-      for (uint32_t begin = 0; begin < count; begin += together) {
+      const uint32_t count = context_.sampler.count();
+      const AlignedPoints align = align_points(integrator_.mask_, x, y);
+      for (uint32_t begin = 0; begin < count; begin += kMostRays) {
         if (begin % kRaysPerPoll == 0) monitor.poll();
-        const uint32_t size = std::min(together, count - begin);
+        const uint32_t size = std::min(kMostRays, count - begin);
         for (uint32_t i = 0; i < size; ++i) {
-          const SamplePoint point = context_.sampler.point(pixel, begin + i);
+          const SamplePoint point = align(context_.sampler.point(pixel, begin + i));
           rays_[i] = context_.ray(x, y, point);
           times_[i] = point.time;
         }
-        const auto seen =
-            integrator_.tracer_.trace_packet(std::span(rays_).first(size), Visibility::visible, workspace_);
+        const std::span<const Ray> rays = std::span(rays_).first(size);
+        const auto seen = integrator_.tracer_.trace_packet(rays, Visibility::visible, workspace_, {},
+                                                           integrator_.packets_.together(count));
+        shaded_.clear();
+        ends_.clear();
+        shading_.shade({rays, seen, std::span(times_).first(size), pixel.seed, begin}, shaded_, ends_);
         for (uint32_t i = 0; i < size; ++i) {
-          shaded_.clear();
-          shading_.shade(rays_[i], seen[i].segments, seen[i].veils, pixel.seed, begin + i, times_[i], shaded_);
-          sink.add(
-              {ShadedRay::Kind::tc, shaded_, static_cast<uint32_t>(seen[i].segments.size() + seen[i].veils.size())});
+          const size_t first = i == 0 ? 0 : ends_[i - 1];
+          sink.add({ShadedRay::Kind::tc, std::span(shaded_).subspan(first, ends_[i] - first),
+                    static_cast<uint32_t>(seen[i].segments.size() + seen[i].veils.size())});
         }
       }
     }
@@ -63,12 +70,15 @@ class TcIntegrator : public Integrator {
     Tracer::Workspace workspace_;
     std::array<Ray, kMostRays> rays_;
     std::array<float, kMostRays> times_{};  // of the sample points
-    SegmentShading shading_;
-    std::vector<ShadedSegment> shaded_;
+    PacketShading shading_;
+    std::vector<ShadedSegment> shaded_;  // of a packet's rays
+    std::vector<size_t> ends_;           // [ray]: of its part of shaded_
   };
 
   const PixelContext& context_;
+
   ShadingOptions shading_;
+  const MotionMask& mask_;
   const Tracer& tracer_;
   PacketChoice packets_;
 };
@@ -80,7 +90,8 @@ std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderPar
   const Tracer& tracer = parts.tracer(params.instruction_set);
   stats.instruction_set = tracer.instruction_set();
   stats.accel_memory_bytes = tracer.memory_bytes();
-  return std::make_unique<TcIntegrator>(parts.shot(), tracer, shading_options(params), context);
+  return std::make_unique<TcIntegrator>(parts.shot(), parts.motion_mask(context.filter.radius()), tracer,
+                                        shading_options(params), context);
 }
 
 }  // namespace kairos

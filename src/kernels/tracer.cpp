@@ -72,7 +72,7 @@ std::span<const Segment> Tracer::trace(const Ray& ray, Visibility visibility, Wo
 }
 
 std::span<const SeenByRay> Tracer::trace_packet(std::span<const Ray> rays, Visibility visibility, Workspace& workspace,
-                                                std::span<const Segment> backdrops) const {
+                                                std::span<const Segment> backdrops, bool together) const {
   if (rays.size() > kMaxPacket)
     throw Error(ErrorCode::bad_usage, "Tracer::trace_packet", "more than 16 rays; divide them into several packets");
   if (!backdrops.empty() && backdrops.size() != rays.size())
@@ -86,7 +86,7 @@ std::span<const SeenByRay> Tracer::trace_packet(std::span<const Ray> rays, Visib
     traceable = traceable && is_traceable(rays[i]);
   }
   std::optional<RayPacket> packet;
-  if (rays.size() > 1 && traceable && impl_->collect_packet != nullptr) packet = make_packet(rays);
+  if (together && rays.size() > 1 && traceable && impl_->collect_packet != nullptr) packet = make_packet(rays);
   if (packet) {
     impl_->collect_packet(impl_->accel, *packet, used);
   } else {

@@ -27,7 +27,9 @@ Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_dep
     const Mesh& mesh = shot.meshes[m];
     const bool still = mesh.is_static() && mesh.normals.size() < 2 && !shot.camera_moves;
     varies_.push_back(whitted_ || ((want_normal_ || looks_->is_textured(m)) && !still));
+    is_even_.push_back(!whitted_ && (kind == ShadingKind::normal || !looks_->is_textured(m)));
   }
+  if (want_normal_ && !whitted_) variation_ = ColourVariation(shot, world_from_camera_);
 }
 
 bool Shader::joined(const Segment& first, const Segment& second) const {

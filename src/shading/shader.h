@@ -9,6 +9,7 @@
 #include <kairos/render.h>
 
 #include "shading/camera_axes.h"
+#include "shading/colour_variation.h"
 #include "shading/cut_outs.h"
 #include "shading/light_points.h"
 #include "shading/looks.h"
@@ -36,6 +37,14 @@ class Shader {
 
   /// False when all instants at which a ray sees one of the mesh's triangles look the same.
   bool varies(uint32_t mesh) const { return varies_[mesh]; }
+
+  /// How much the colours of one of the mesh's triangles may differ, over all of it and `duration` of shutter time: 0
+  /// where they don't, kMuch and more where it is worth sampling often. An estimate, to spend samples by.
+  float variation(uint32_t mesh, uint32_t triangle, float duration) const {
+    if (!is_even_[mesh]) return kMuch;
+    return want_normal_ ? variation_.of(mesh, triangle, duration) : 0;
+  }
+  static constexpr float kMuch = 1;
 
   /// For two visibility segments of a ray, of which the second begins when the first ends: true when its colour goes on
   /// without a jump, so that what is seen of both may be shaded as one.
@@ -67,6 +76,8 @@ class Shader {
   std::shared_ptr<const AlphaCutOuts> cut_outs_;
   std::unique_ptr<const Whitted> whitted_;  // where it is wanted
   std::vector<bool> varies_;                // [mesh]
+  std::vector<bool> is_even_;               // [mesh]: nothing makes a difference, or nothing but normals
+  ColourVariation variation_;               // of these
   ShadingKind kind_;
   bool want_normal_;
 };
