@@ -1,12 +1,15 @@
 // What a time-continuous ray costs beside a discrete one: the same camera rays through both, one thread, interleaved.
 //
 // usage: bench_rays SCENE... [--size WxH] [--rays N] [--rounds N] [--instruction-set NAME] [--shutter OPEN,CLOSE]
+//                   [--threads N] [--builds N]
 //
-// Prints build times and bytes of both accelerators, then for every round the time per ray of each, the median of the
-// ratio, and the counters of a time-continuous ray. The sampler and shading are left out.
+// Prints build times (by --threads threads, the median of --builds) and bytes of both accelerators, then for every
+// round the time per ray of each, the median of the ratio, and the counters of a time-continuous ray. The sampler and
+// shading are left out.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <random>
 
 #include <CLI/CLI.hpp>
@@ -52,10 +55,26 @@ std::vector<Ray> camera_rays(const Projection& projection, int rays_per_pixel, s
   return rays;
 }
 
+/// Of all threads: on a busy machine the better measure of what a build costs.
+double processor_time() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return values[values.size() / 2];
 }
+
+struct BuildTimes {
+  std::vector<double> seconds, processor_seconds;
+
+  template <class Build>
+  void measure(const Build& build) {
+    const auto start = Clock::now();
+    const double processor_start = processor_time();
+    build();
+    seconds.push_back(seconds_since(start));
+    processor_seconds.push_back(processor_time() - processor_start);
+  }
+};
 
 int run(int argc, char** argv) {
   CLI::App app("What a time-continuous ray costs beside a discrete one");
@@ -65,6 +84,7 @@ int run(int argc, char** argv) {
   size_t wanted = 200000;
   int rounds = 5;
   bool discrete_wanted = true;
+  int build_threads = 1, builds = 1;
   app.add_option("scene", scenes)->required();
   app.add_option("--size", size);
   app.add_option("--rays-per-pixel", rays_per_pixel)->delimiter(',');
@@ -72,12 +92,13 @@ int run(int argc, char** argv) {
   app.add_option("--rounds", rounds);
   app.add_option("--instruction-set", instruction_set);
   app.add_option("--shutter", shutter);
+  app.add_option("--threads", build_threads, "For building; rays are traced by one thread");
+  app.add_option("--builds", builds, "Build so often, alternating, and print the median");
   bool single = false;
   app.add_flag("--single", single, "No packets");
   app.add_flag("!--tc-only", discrete_wanted);
   CLI11_PARSE(app, argc, argv);
 
-  const ThreadLimit one_thread(1);
   const auto scene = load_scene(scenes);
   ShotOptions shot_options;
   if (std::sscanf(size.c_str(), "%dx%d", &shot_options.width, &shot_options.height) != 2)
@@ -96,15 +117,28 @@ int run(int argc, char** argv) {
   TracerOptions options;
   options.precision = Precision::fast;
   if (!instruction_set.empty()) options.instruction_set = parse_instruction_set(instruction_set);
-  auto start = Clock::now();
-  const Tracer tracer(shot.meshes, options);
-  const double tracer_build = seconds_since(start);
-  start = Clock::now();
-  const DiscreteScene discrete(discrete_wanted ? std::span<const Mesh>(shot.meshes) : std::span<const Mesh>());
-  const double discrete_build = seconds_since(start);
-  fmt::print("{} triangles, {}, one thread\n", triangles, to_string(tracer.instruction_set()));
-  fmt::print("build: tc {:.2f} s, discrete {:.2f} s, ratio {:.2f}\n", tracer_build, discrete_build,
-             tracer_build / discrete_build);
+  std::optional<Tracer> built_tracer;
+  std::optional<DiscreteScene> built_discrete;
+  BuildTimes tracer_builds, discrete_builds;
+  std::optional<ThreadLimit> limit(build_threads);
+  for (int build = 0; build < std::max(1, builds); ++build) {
+    built_tracer.reset();
+    tracer_builds.measure([&] { built_tracer.emplace(shot.meshes, options); });
+    built_discrete.reset();
+    discrete_builds.measure([&] {
+      built_discrete.emplace(discrete_wanted ? std::span<const Mesh>(shot.meshes) : std::span<const Mesh>());
+    });
+  }
+  const Tracer& tracer = *built_tracer;
+  const DiscreteScene& discrete = *built_discrete;
+  fmt::print("{} triangles, {}; threads for building: {}\n", triangles, to_string(tracer.instruction_set()),
+             build_threads);
+  fmt::print("build: tc {:.2f} s, discrete {:.2f} s, ratio {:.2f}\n", median(tracer_builds.seconds),
+             median(discrete_builds.seconds), median(tracer_builds.seconds) / median(discrete_builds.seconds));
+  fmt::print("processor time: tc {:.2f} s, discrete {:.2f} s, ratio {:.2f}\n", median(tracer_builds.processor_seconds),
+             median(discrete_builds.processor_seconds),
+             median(tracer_builds.processor_seconds) / median(discrete_builds.processor_seconds));
+  limit.emplace(1);
   const double count = static_cast<double>(std::max<size_t>(1, triangles));
   fmt::print("bytes per triangle: tc {:.0f}, discrete {:.0f}\n", static_cast<double>(tracer.memory_bytes()) / count,
              static_cast<double>(discrete.memory_bytes()) / count);
@@ -120,6 +154,7 @@ int run(int argc, char** argv) {
     TraceCounters counters;
     for (int round = 0; round < rounds; ++round) {
       Tracer::Workspace workspace;
+      Clock::time_point start;
       const auto trace_all = [&] {
         start = Clock::now();
         // Rays of one pixel go together, as an integrator would trace them.
