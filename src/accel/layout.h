@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/large_array.h"
+
 namespace kairos {
 
 /// Children per node and triangles per leaf block: one AVX2 register of floats.
@@ -40,8 +42,8 @@ struct alignas(64) TriangleBlock {
 
 template <int kKeys>
 struct Tree {
-  std::vector<Node<kKeys>> nodes;
-  std::vector<TriangleBlock<kKeys>> blocks;
+  LargeArray<Node<kKeys>> nodes;
+  LargeArray<TriangleBlock<kKeys>> blocks;
   NodeRef root = kNoNode;
   uint32_t depth = 0;                  ///< nodes on the longest way from the root to a block
   float time_begin = 0, time_end = 1;  ///< shutter time of the two keys
