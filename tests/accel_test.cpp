@@ -99,21 +99,44 @@ TEST(Accel, TrianglesThatNoKeyMovesStandStillWhateverTheRestOfTheirMeshDoes) {
   EXPECT_EQ(accel.moving[0].blocks.size(), 1u);
 }
 
+template <int kKeys>
+void expect_same(const Tree<kKeys>& a, const Tree<kKeys>& b) {
+  EXPECT_EQ(a.root, b.root);
+  EXPECT_EQ(a.depth, b.depth);
+  ASSERT_EQ(a.nodes.size(), b.nodes.size());
+  for (size_t n = 0; n < a.nodes.size(); ++n) {
+    ASSERT_EQ(a.nodes[n].count, b.nodes[n].count);
+    ASSERT_EQ(std::memcmp(a.nodes[n].lower, b.nodes[n].lower, sizeof a.nodes[n].lower), 0);
+    ASSERT_EQ(std::memcmp(a.nodes[n].upper, b.nodes[n].upper, sizeof a.nodes[n].upper), 0);
+    ASSERT_EQ(std::memcmp(a.nodes[n].child, b.nodes[n].child, sizeof a.nodes[n].child), 0);
+  }
+  ASSERT_EQ(a.blocks.size(), b.blocks.size());
+  for (size_t n = 0; n < a.blocks.size(); ++n) {
+    ASSERT_EQ(a.blocks[n].count, b.blocks[n].count);
+    ASSERT_EQ(std::memcmp(a.blocks[n].position, b.blocks[n].position, sizeof a.blocks[n].position), 0);
+    ASSERT_EQ(std::memcmp(a.blocks[n].mesh, b.blocks[n].mesh, sizeof a.blocks[n].mesh), 0);
+    ASSERT_EQ(std::memcmp(a.blocks[n].triangle, b.blocks[n].triangle, sizeof a.blocks[n].triangle), 0);
+  }
+}
+
 TEST(Accel, DoesNotDependOnTheNumberOfThreads) {
   std::mt19937 random(test::seed());
-  const std::vector meshes{test::random_soup(random, test::Motion::deform, 30000)};
+  std::vector<Mesh> meshes;
+  // Enough for several pieces per split; the second mesh is one half still.
+  meshes.push_back(test::random_soup(random, test::Motion::deform, 60000));
+  meshes.push_back(test::random_soup(random, test::Motion::translation, 20000));
+  std::copy_n(meshes[1].positions[0].begin(), 30000, meshes[1].positions[1].begin());
+  meshes.push_back(test::random_soup(random, test::Motion::still, 30000));
   const auto build = [&](int threads) {
     const ThreadLimit limit(threads);
     return build_accel(meshes);
   };
-  const Accel one = build(1), two = build(2);
-  ASSERT_EQ(one.moving.size(), two.moving.size());
-  ASSERT_EQ(one.moving[0].nodes.size(), two.moving[0].nodes.size());
-  for (size_t n = 0; n < one.moving[0].nodes.size(); ++n) {
-    const auto &a = one.moving[0].nodes[n], &b = two.moving[0].nodes[n];
-    ASSERT_EQ(a.count, b.count);
-    ASSERT_EQ(std::memcmp(a.lower, b.lower, sizeof a.lower), 0);
-    ASSERT_EQ(std::memcmp(a.child, b.child, sizeof a.child), 0);
+  const Accel one = build(1);
+  for (int round = 0; round < 3; ++round) {
+    const Accel two = build(2);
+    expect_same(one.still, two.still);
+    ASSERT_EQ(one.moving.size(), two.moving.size());
+    for (size_t t = 0; t < one.moving.size(); ++t) expect_same(one.moving[t], two.moving[t]);
   }
 }
 
@@ -127,6 +150,29 @@ TEST(Accel, HostileGeometryMakesNoDeepTree) {
     mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
   EXPECT_LE(build_accel(std::vector{mesh}).depth(), 40u);
+}
+
+TEST(Accel, CoordinatesWhoseSumsOverflowDoNoHarm) {
+  // Areas, centres and motions of these are infinite, or no number at all where all coordinates have one sign.
+  std::mt19937 random(test::seed());
+  for (const float size : {1e19f, 1e38f, 3.4e38f})
+    for (const float low : {-1.0f, 0.6f}) {
+      std::uniform_real_distribution<float> uniform(low, 1);
+      Mesh mesh;
+      mesh.key_times = {0, 1};
+      mesh.positions.resize(2);
+      for (uint32_t i = 0; i < 5000; ++i) {
+        for (int v = 0; v < 3; ++v)
+          for (auto& key : mesh.positions)
+            key.push_back({size * uniform(random), size * uniform(random), size * uniform(random)});
+        mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+      }
+      const Accel accel = build_accel(std::vector{mesh});
+      Walk<kMovingKeys> walk{accel.moving.at(0), {}, 0};
+      walk.run();
+      EXPECT_EQ(walk.found.size(), 5000u) << size;
+      EXPECT_LE(accel.depth(), 9u) << size;
+    }
 }
 
 TEST(Accel, ThingsInOnePlaceThatMoveDifferentlyArePartedFirst) {

@@ -12,13 +12,8 @@ namespace kairos {
 
 namespace {
 
-constexpr size_t kGrain = 16384;
-
-/// One key span of a group of meshes that share their key times.
-struct KeySpan {
-  size_t first_key;
-  float time_begin, time_end;
-};
+/// Triangles, and nodes with the blocks below them, per piece of a parallel loop.
+constexpr uint32_t kGrain = 16384, kNodeGrain = 256;
 
 bool is_still(const Mesh& mesh, const Triangle& triangle) {
   for (size_t key = 1; key < mesh.key_count(); ++key)
@@ -27,86 +22,177 @@ bool is_still(const Mesh& mesh, const Triangle& triangle) {
   return true;
 }
 
-/// Which triangles go where: lists of (mesh, triangle).
-struct TriangleId {
-  uint32_t mesh, triangle;
+/// Triangles of one tree, or of one tree per key span.
+using TriangleList = LargeArray<TriangleId>;
+
+struct Sorted {
+  TriangleList still;
+  std::map<std::vector<float>, TriangleList> moving;  // by key times
 };
 
-const Vec3f& corner(std::span<const Mesh> meshes, const Primitive& p, size_t key, size_t vertex) {
-  const Mesh& mesh = meshes[p.mesh];
-  return mesh.positions[key][mesh.triangles[p.triangle][vertex]];
+/// Sorts triangles into lists, in which they keep their order.
+Sorted sort_by_motion(std::span<const Mesh> meshes, bool moving_meshes_only) {
+  struct Piece {
+    uint32_t mesh, begin, end;
+    TriangleList* moving;  // nullptr for a mesh that does not
+    uint32_t still_count, still_offset, moving_offset;
+  };
+  Sorted sorted;
+  std::vector<Piece> pieces;
+  for (uint32_t m = 0; m < meshes.size(); ++m) {
+    const Mesh& mesh = meshes[m];
+    if (moving_meshes_only && mesh.is_static()) continue;
+    const uint32_t count = static_cast<uint32_t>(mesh.triangles.size());
+    TriangleList* const moving = mesh.is_static() ? nullptr : &sorted.moving[mesh.key_times];
+    for (uint64_t begin = 0; begin < count; begin += kGrain)
+      pieces.push_back({m, static_cast<uint32_t>(begin),
+                        static_cast<uint32_t>(std::min<uint64_t>(count, begin + kGrain)), moving, 0, 0, 0});
+  }
+  const auto each_piece = [&](const auto& body) {
+    parallel_for(pieces.size(), 1, [&](size_t begin, size_t end) {
+      for (size_t p = begin; p < end; ++p) body(pieces[p], meshes[pieces[p].mesh]);
+    });
+  };
+  each_piece([](Piece& piece, const Mesh& mesh) {
+    if (piece.moving == nullptr) {
+      piece.still_count = piece.end - piece.begin;
+      return;
+    }
+    for (uint32_t f = piece.begin; f < piece.end; ++f) piece.still_count += is_still(mesh, mesh.triangles[f]) ? 1 : 0;
+  });
+  std::map<TriangleList*, uint32_t> moving_count;
+  uint32_t still_count = 0;
+  for (Piece& piece : pieces) {
+    piece.still_offset = still_count;
+    still_count += piece.still_count;
+    if (piece.moving == nullptr) continue;
+    uint32_t& count = moving_count[piece.moving];
+    piece.moving_offset = count;
+    count += piece.end - piece.begin - piece.still_count;
+  }
+  sorted.still.resize(still_count);
+  for (const auto& [list, count] : moving_count) list->resize(count);
+  each_piece([&](const Piece& piece, const Mesh& mesh) {
+    TriangleId* still = sorted.still.data() + piece.still_offset;
+    TriangleId* moving = piece.moving == nullptr ? nullptr : piece.moving->data() + piece.moving_offset;
+    for (uint32_t f = piece.begin; f < piece.end; ++f)
+      (moving == nullptr || is_still(mesh, mesh.triangles[f]) ? *still++ : *moving++) = {piece.mesh, f};
+  });
+  return sorted;
 }
 
-/// Copies the boxes and vertices of a finished topology into the layout that the kernels read.
+/// Where a mesh's vertices are at the keys of a tree.
 template <int kKeys>
-void pack(std::span<const Mesh> meshes, std::span<const Primitive> primitives, const WideTree& wide, size_t first_key,
-          Tree<kKeys>& tree) {
-  // Leaves are numbered in the order of their nodes, so that neighbours in the tree are neighbours in memory.
-  struct Leaf {
-    uint32_t begin, count;
-  };
-  std::vector<Leaf> leaves;
-  const auto add_leaf = [&](uint32_t begin, uint32_t count) {
-    leaves.push_back({begin, count});
-    return kLeafBit | static_cast<NodeRef>(leaves.size() - 1);
-  };
-  tree.depth = wide.depth;
-  tree.nodes.resize(wide.nodes.size());
-  if (wide.nodes.empty())
-    tree.root = primitives.empty() ? kNoNode : add_leaf(0, static_cast<uint32_t>(primitives.size()));
-  else
-    tree.root = 0;
-  for (size_t n = 0; n < wide.nodes.size(); ++n) {
-    const WideNode& from = wide.nodes[n];
-    Node<kKeys>& to = tree.nodes[n];
-    to.count = from.child_count;
-    for (uint32_t slot = 0; slot < kWidth; ++slot) {
-      const WideChild& child = from.child[slot < from.child_count ? slot : 0];
-      for (int key = 0; key < kKeys; ++key)
-        for (int axis = 0; axis < 3; ++axis) {
-          to.lower[key][axis][slot] = child.box.lower(key, axis);
-          to.upper[key][axis][slot] = child.box.upper(key, axis);
-        }
-      to.child[slot] = slot >= from.child_count ? kNoNode
-                       : child.node != kNoNode  ? child.node
-                                                : add_leaf(child.begin, child.count);
+struct TreeMesh {
+  const Triangle* triangles;
+  std::array<const Vec3f*, kKeys> positions;
+};
+
+template <int kKeys>
+std::vector<TreeMesh<kKeys>> meshes_of_tree(std::span<const Mesh> meshes, size_t first_key) {
+  std::vector<TreeMesh<kKeys>> views(meshes.size());
+  for (size_t m = 0; m < meshes.size(); ++m) {
+    views[m].triangles = meshes[m].triangles.data();
+    for (size_t key = 0; key < kKeys; ++key)  // meshes with fewer keys have no triangles in this tree
+      if (first_key + key < meshes[m].key_count())
+        views[m].positions[key] = meshes[m].positions[first_key + key].data();
+  }
+  return views;
+}
+
+template <int kKeys>
+void set_primitive(const TreeMesh<kKeys>& mesh, TriangleId id, Primitive& primitive) {
+  const Triangle& triangle = mesh.triangles[id.triangle];
+  for (size_t key = 0; key < 2; ++key) {
+    const Vec3f* positions = mesh.positions[key < kKeys ? key : 0];
+    const Vec3f a = positions[triangle[0]], b = positions[triangle[1]], c = positions[triangle[2]];
+    for (int axis = 0; axis < 3; ++axis) {
+      primitive.box.bound[2 * key][axis] = std::min(std::min(a[axis], b[axis]), c[axis]);
+      primitive.box.bound[2 * key + 1][axis] = -std::max(std::max(a[axis], b[axis]), c[axis]);
     }
   }
-  tree.blocks.resize(leaves.size());
-  parallel_for(leaves.size(), kGrain / kWidth, [&](size_t begin, size_t end) {
-    for (size_t b = begin; b < end; ++b) {
-      TriangleBlock<kKeys>& block = tree.blocks[b];
-      block.count = leaves[b].count;
-      for (uint32_t slot = 0; slot < kWidth; ++slot) {
-        const Primitive& p = primitives[leaves[b].begin + (slot < block.count ? slot : 0)];
-        block.mesh[slot] = p.mesh;
-        block.triangle[slot] = p.triangle;
-        for (size_t key = 0; key < kKeys; ++key)
-          for (size_t vertex = 0; vertex < 3; ++vertex)
-            for (int axis = 0; axis < 3; ++axis)
-              block.position[key][vertex][axis][slot] = corner(meshes, p, first_key + key, vertex)[axis];
+  primitive.set_id(id);
+}
+
+template <int kKeys>
+void set_block(std::span<const TreeMesh<kKeys>> meshes, std::span<const TriangleId> ids, TriangleBlock<kKeys>& block) {
+  block.count = static_cast<uint32_t>(ids.size());
+  for (uint32_t slot = 0; slot < kWidth; ++slot) {
+    const TriangleId id = ids[slot < block.count ? slot : 0];
+    block.mesh[slot] = id.mesh;
+    block.triangle[slot] = id.triangle;
+    const TreeMesh<kKeys>& mesh = meshes[id.mesh];
+    const Triangle& triangle = mesh.triangles[id.triangle];
+    for (size_t key = 0; key < kKeys; ++key)
+      for (size_t vertex = 0; vertex < 3; ++vertex) {
+        const Vec3f& position = mesh.positions[key][triangle[vertex]];
+        for (int axis = 0; axis < 3; ++axis) block.position[key][vertex][axis][slot] = position[axis];
       }
+  }
+}
+
+/// Boxes and children of a node; its leaves are numbered from `first_leaf` on.
+template <int kKeys>
+void set_node(const WideNode& from, uint32_t first_leaf, Node<kKeys>& to) {
+  to.count = from.child_count;
+  for (uint32_t slot = 0; slot < kWidth; ++slot) {
+    const WideChild& child = from.child[slot < from.child_count ? slot : 0];
+    for (int key = 0; key < kKeys; ++key)
+      for (int axis = 0; axis < 3; ++axis) {
+        to.lower[key][axis][slot] = child.box().lower(key, axis);
+        to.upper[key][axis][slot] = child.box().upper(key, axis);
+      }
+    to.child[slot] = slot >= from.child_count ? kNoNode : child.is_leaf() ? kLeafBit | first_leaf++ : child.node();
+  }
+}
+
+/// Copies the boxes and vertices of a finished topology into the layout that the kernels read. Leaves are numbered in
+/// the order of their nodes, so that neighbours in the tree are neighbours in memory.
+template <int kKeys>
+void pack(std::span<const TreeMesh<kKeys>> meshes, std::span<const TriangleId> order, const WideTree& wide,
+          Tree<kKeys>& tree) {
+  tree.depth = wide.depth;
+  if (wide.nodes.empty()) {
+    if (order.empty()) return;
+    tree.root = kLeafBit;
+    tree.blocks.resize(1);
+    set_block(meshes, order, tree.blocks[0]);
+    return;
+  }
+  tree.root = 0;
+  std::vector<uint32_t> first_leaf(wide.nodes.size());
+  uint32_t leaves = 0;
+  for (size_t n = 0; n < wide.nodes.size(); ++n) {
+    first_leaf[n] = leaves;
+    leaves += wide.nodes[n].leaf_count;
+  }
+  tree.nodes.resize(wide.nodes.size());
+  tree.blocks.resize(leaves);
+  parallel_for(wide.nodes.size(), kNodeGrain, [&](size_t begin, size_t end) {
+    for (size_t n = begin; n < end; ++n) {
+      const WideNode& node = wide.nodes[n];
+      set_node(node, first_leaf[n], tree.nodes[n]);
+      uint32_t leaf = first_leaf[n];
+      for (uint32_t c = 0; c < node.child_count; ++c)
+        if (node.child[c].is_leaf())
+          set_block(meshes, order.subspan(node.child[c].begin(), node.child[c].count()), tree.blocks[leaf++]);
     }
   });
 }
 
 template <int kKeys>
-void build_tree(std::span<const Mesh> meshes, const std::vector<TriangleId>& triangles, size_t first_key,
-                Tree<kKeys>& tree) {
-  std::vector<Primitive> primitives(triangles.size());
-  parallel_for(triangles.size(), kGrain, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      Primitive& p = primitives[i];
-      p.mesh = triangles[i].mesh;
-      p.triangle = triangles[i].triangle;
-      p.box = MovingBox::empty();
-      for (size_t key = 0; key < 2; ++key)
-        for (size_t vertex = 0; vertex < 3; ++vertex)
-          p.box.include(static_cast<int>(key), corner(meshes, p, first_key + (key < kKeys ? key : 0), vertex));
-    }
-  });
-  const WideTree wide = build_wide_tree(primitives, kKeys == kMovingKeys);
-  pack(meshes, primitives, wide, first_key, tree);
+void build_tree(std::span<const Mesh> meshes, const TriangleList& triangles, size_t first_key, Tree<kKeys>& tree) {
+  const std::vector<TreeMesh<kKeys>> views = meshes_of_tree<kKeys>(meshes, first_key);
+  TriangleList order(triangles.size());
+  WideTree wide;
+  {
+    LargeArray<Primitive> primitives(triangles.size());
+    parallel_for(triangles.size(), kGrain, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) set_primitive(views[triangles[i].mesh], triangles[i], primitives[i]);
+    });
+    wide = build_wide_tree(primitives, kKeys == kMovingKeys, order);
+  }
+  pack<kKeys>(views, order, wide, tree);
 }
 
 }  // namespace
@@ -118,21 +204,11 @@ Accel build_accel(std::span<const Mesh> meshes, bool moving_meshes_only) {
     throw Error(ErrorCode::bad_input, "",
                 "the scene has " + std::to_string(total) + " triangles; at most 2^31 - 1 can be traced");
 
-  std::vector<TriangleId> still;
-  std::map<std::vector<float>, std::vector<TriangleId>> moving;  // by key times
-  for (uint32_t m = 0; m < meshes.size(); ++m) {
-    const Mesh& mesh = meshes[m];
-    if (moving_meshes_only && mesh.is_static()) continue;
-    const uint32_t count = static_cast<uint32_t>(mesh.triangles.size());
-    std::vector<TriangleId>* group = mesh.is_static() ? nullptr : &moving[mesh.key_times];
-    for (uint32_t f = 0; f < count; ++f)
-      (group == nullptr || is_still(mesh, mesh.triangles[f]) ? still : *group).push_back({m, f});
-  }
-
+  Sorted sorted = sort_by_motion(meshes, moving_meshes_only);
   Accel accel;
-  build_tree(meshes, still, 0, accel.still);
-  std::vector<TriangleId>().swap(still);
-  for (auto& [times, triangles] : moving) {
+  build_tree(meshes, sorted.still, 0, accel.still);
+  TriangleList().swap(sorted.still);
+  for (auto& [times, triangles] : sorted.moving) {
     if (triangles.empty()) continue;
     for (size_t key = 0; key + 1 < times.size(); ++key) {
       if (times[key] == times[key + 1]) continue;  // a jump takes no time
@@ -142,7 +218,7 @@ Accel build_accel(std::span<const Mesh> meshes, bool moving_meshes_only) {
       build_tree(meshes, triangles, key, tree);
       accel.moving.push_back(std::move(tree));
     }
-    std::vector<TriangleId>().swap(triangles);
+    TriangleList().swap(triangles);
   }
   return accel;
 }

@@ -1,262 +1,245 @@
 #include "accel/builder.h"
 
 #include <algorithm>
-#include <atomic>
-#include <mutex>
+#include <memory>
 
+#include "accel/binning.h"
 #include "base/parallel.h"
 
 namespace kairos {
 
 namespace {
 
-constexpr uint32_t kBins = 16;
-/// Axes 0 to 2 sort by place, 3 to 5 by velocity.
-constexpr int kStillAxes = 3, kMovingAxes = 6;
-/// Velocities that differ by less than this share of the range's extent are not worth a look: parting them saves no
-/// swept area.
-constexpr float kLeastVelocityShare = 0.25f;
-/// Ranges above this are binned, and their children built, in parallel.
-constexpr size_t kParallelCount = 8192;
-constexpr size_t kParallelGrain = 4096;
+/// Ranges above this are sorted, and their children built, in parallel.
+constexpr uint32_t kParallelCount = 16384;
+/// Pieces that a range is cut into: of no less than the grain, and no more than so many.
+constexpr uint32_t kParallelGrain = 4096, kMostPieces = 64;
 /// Below this level ranges are halved whatever it costs: it bounds the depth of trees over hostile geometry.
 constexpr uint32_t kDeepestHeuristicLevel = 24;
-/// Triangles of a leaf are tested together; a range costs as many block tests as it will fill blocks of about this
-/// size.
-constexpr uint32_t kBlockFill = 4;
+/// A node has no fewer than so many primitives in its leaves, on average: what memory is set aside for.
+constexpr uint32_t kPrimitivesPerNode = 24;
 
-struct Bin {
-  MovingBox box = MovingBox::empty();
-  uint32_t count = 0;
-
-  void include(const Bin& other) {
-    box.include(other.box);
-    count += other.count;
-  }
-};
-
-struct Bins {
-  std::array<std::array<Bin, kBins>, kMovingAxes> bin;
-
-  void include(const Bins& other, int axes) {
-    for (size_t a = 0; a < static_cast<size_t>(axes); ++a)
-      for (size_t b = 0; b < kBins; ++b) bin[a][b].include(other.bin[a][b]);
-  }
-};
-
-/// Maps sort values of a range to bins; an axis on which all values agree has scale 0.
-struct Binning {
-  std::array<float, kMovingAxes> low{}, scale{};
-
-  uint32_t operator()(const MovingBox& box, int axis) const {
-    const size_t a = static_cast<size_t>(axis);
-    const float place = (box.sort_value(axis) - low[a]) * scale[a];
-    return std::min(kBins - 1, static_cast<uint32_t>(std::max(place, 0.0f)));
-  }
-};
-
+/// Primitives that will be below one node.
 struct Range {
-  uint32_t begin = 0, end = 0;
-  MovingBox box = MovingBox::empty();
+  uint32_t begin, end;
+  uint32_t buffer;  // which of the two they are in
+  BoxLanes box;
+  Extent extent;
 
   uint32_t count() const { return end - begin; }
 };
 
-struct Split {
-  int axis = -1;
-  uint32_t bin = 0;  ///< the left side holds bins 0 to bin - 1
-};
-
-float block_tests(uint32_t count) { return static_cast<float>((count + kBlockFill - 1) / kBlockFill); }
-
 class Builder {
  public:
-  Builder(std::span<Primitive> primitives, bool moving)
-      : primitives_(primitives), axes_(moving ? kMovingAxes : kStillAxes) {}
+  Builder(std::span<Primitive> primitives, bool moving, std::span<TriangleId> order)
+      : other_(primitives.size()), buffer_{primitives.data(), other_.data()}, order_(order), moving_(moving) {}
 
   WideTree build() {
     WideTree tree;
-    if (primitives_.size() <= kWidth) return tree;
-    Range all{0, static_cast<uint32_t>(primitives_.size()), MovingBox::empty()};
-    all.box = bounds(all);
+    Range all{0, static_cast<uint32_t>(order_.size()), 0, BoxLanes::empty(), Extent::none()};
+    if (all.count() <= kWidth) {
+      write_order(all);
+      return tree;
+    }
+    measure(all);
     tree.depth = build_node(all, 0, tree.nodes);
     return tree;
   }
 
  private:
-  /// Runs body(begin, end, partial) over pieces of a range and joins the partial results. Joining is commutative and
-  /// exact (minima and counts), so the outcome does not depend on how the range was cut or in which order pieces
-  /// finished.
-  template <class Result, class Body, class Join>
-  Result reduce(const Range& range, Result zero, Body body, Join join) const {
-    if (range.count() < kParallelCount) {
-      body(range.begin, range.end, zero);
-      return zero;
+  /// Equal pieces of a range, the same ones whatever the number of threads.
+  struct Pieces {
+    uint32_t first, primitives, count;
+
+    Pieces(uint32_t begin, uint32_t end)
+        : first(begin),
+          primitives(end - begin),
+          count(primitives < kParallelCount ? 1 : std::min(kMostPieces, primitives / kParallelGrain)) {}
+    uint32_t begin(size_t piece) const {
+      return first + static_cast<uint32_t>(static_cast<uint64_t>(primitives) * piece / count);
     }
-    Result total = zero;
-    std::mutex mutex;
-    parallel_for(range.count(), kParallelGrain, [&](size_t begin, size_t end) {
-      Result partial = zero;
-      body(range.begin + static_cast<uint32_t>(begin), range.begin + static_cast<uint32_t>(end), partial);
-      const std::lock_guard lock(mutex);
-      join(total, partial);
+    template <class Body>
+    void for_each(const Body& body) const {
+      if (count == 1) return body(size_t{0});
+      parallel_for(count, 1, [&](size_t begin, size_t end) {
+        for (size_t piece = begin; piece < end; ++piece) body(piece);
+      });
+    }
+  };
+
+  /// Sets box and extent from the primitives.
+  void measure(Range& range) const {
+    const Pieces pieces(range.begin, range.end);
+    std::vector<std::pair<BoxLanes, Extent>> found(pieces.count, {BoxLanes::empty(), Extent::none()});
+    pieces.for_each([&](size_t piece) {
+      auto& [box, extent] = found[piece];
+      for (uint32_t i = pieces.begin(piece); i < pieces.begin(piece + 1); ++i) {
+        const BoxLanes& from = buffer_[range.buffer][i].box;
+        box.include(from);
+        extent.include(SortValues(from));
+      }
     });
-    return total;
+    range.box = BoxLanes::empty();
+    range.extent = Extent::none();
+    for (const auto& [box, extent] : found) {
+      range.box.include(box);
+      range.extent.include(extent);
+    }
   }
 
-  MovingBox bounds(const Range& range) const {
-    return reduce(
-        range, MovingBox::empty(),
-        [&](uint32_t begin, uint32_t end, MovingBox& box) {
-          for (uint32_t i = begin; i < end; ++i) box.include(primitives_[i].box);
-        },
-        [](MovingBox& total, const MovingBox& part) { total.include(part); });
+  /// Splits `range` in two, neither of them empty: itself, which becomes the left one, and `right`.
+  void split(Range& range, Range& right, bool halved) {
+    const Binning binning(range.extent, moving_);
+    if (halved || binning.axes == 0) return halve(range, right);
+    const Pieces pieces(range.begin, range.end);
+    if (pieces.count == 1) {
+      Bins bins;
+      bins.clear(binning.axes);
+      bins.add(buffer_[range.buffer] + range.begin, range.count(), binning);
+      return partition(range, right, pieces, binning, &bins, bins);
+    }
+    const auto bins = std::make_unique_for_overwrite<Bins[]>(pieces.count);
+    pieces.for_each([&](size_t piece) {
+      bins[piece].clear(binning.axes);
+      const uint32_t begin = pieces.begin(piece);
+      bins[piece].add(buffer_[range.buffer] + begin, pieces.begin(piece + 1) - begin, binning);
+    });
+    partition(range, right, pieces, binning, bins.get(), sum_of(bins.get(), pieces.count, binning.axes));
   }
 
-  Binning make_binning(const Range& range) const {
-    struct Extent {
-      std::array<float, kMovingAxes> low, high;
+  static Bins sum_of(const Bins* bins, size_t count, uint32_t axes) {
+    Bins sum;
+    sum.clear(axes);
+    for (size_t piece = 0; piece < count; ++piece) sum.add(bins[piece], axes);
+    return sum;
+  }
+
+  /// Where nothing tells the primitives apart, or nothing should.
+  void halve(Range& range, Range& right) const {
+    right.buffer = range.buffer;
+    right.end = range.end;
+    right.begin = range.end = range.begin + range.count() / 2;
+    measure(range);
+    measure(right);
+  }
+
+  /// Moves the primitives to the other buffer, those of the left side first. They keep their order on each side, so
+  /// that it does not matter how the range was cut into pieces.
+  void partition(Range& range, Range& right, const Pieces& pieces, const Binning& binning, const Bins* bins,
+                 const Bins& all) {
+    const Split where = all.cheapest(binning.axes, range.count());
+    if (where.axis == kAxes) return halve(range, right);
+    struct Piece {
+      std::array<uint32_t, 2> next;  // where left and right ones go
+      std::array<Extent, 2> extent;
     };
-    Extent none;
-    none.low.fill(std::numeric_limits<float>::infinity());
-    none.high.fill(-std::numeric_limits<float>::infinity());
-    const Extent extent = reduce(
-        range, none,
-        [&](uint32_t begin, uint32_t end, Extent& e) {
-          for (uint32_t i = begin; i < end; ++i)
-            for (int axis = 0; axis < axes_; ++axis) {
-              const size_t a = static_cast<size_t>(axis);
-              const float value = primitives_[i].box.sort_value(axis);
-              e.low[a] = std::min(e.low[a], value);
-              e.high[a] = std::max(e.high[a], value);
-            }
-        },
-        [](Extent& total, const Extent& part) {
-          for (size_t a = 0; a < kMovingAxes; ++a) {
-            total.low[a] = std::min(total.low[a], part.low[a]);
-            total.high[a] = std::max(total.high[a], part.high[a]);
-          }
-        });
-    Binning binning;
-    float largest = 0;
-    for (size_t a = 0; a < kStillAxes; ++a) largest = std::max(largest, extent.high[a] - extent.low[a]);
-    for (size_t a = 0; a < static_cast<size_t>(axes_); ++a) {
-      const float size = extent.high[a] - extent.low[a];
-      if (a >= kStillAxes && size < kLeastVelocityShare * largest) continue;
-      // Just under kBins, so that the largest value falls into the last bin.
-      const float scale = 0.999f * static_cast<float>(kBins) / size;
-      binning.low[a] = extent.low[a];
-      binning.scale[a] = size > 0 && std::isfinite(scale) ? scale : 0;
+    const uint32_t middle = range.begin + where.left_count;
+    std::array<Piece, kMostPieces> found;
+    found[0].next[0] = range.begin;
+    found[0].next[1] = middle;
+    for (size_t piece = 1; piece < pieces.count; ++piece) {
+      const uint32_t left = bins[piece - 1].count_left_of(where);
+      found[piece].next[0] = found[piece - 1].next[0] + left;
+      found[piece].next[1] = found[piece - 1].next[1] + (pieces.begin(piece) - pieces.begin(piece - 1)) - left;
     }
-    return binning;
+    pieces.for_each([&](size_t p) {
+      Piece& piece = found[p];
+      piece.extent[0] = piece.extent[1] = Extent::none();
+      const uint32_t begin = pieces.begin(p), end = pieces.begin(p + 1);
+      if (where.axis < kPlaceAxes)
+        move<0>(buffer_[range.buffer] + begin, end - begin, binning, where, buffer_[1 - range.buffer], piece.next,
+                piece.extent);
+      else
+        move<1>(buffer_[range.buffer] + begin, end - begin, binning, where, buffer_[1 - range.buffer], piece.next,
+                piece.extent);
+    });
+    right = Range{middle, range.end, 1 - range.buffer, all.union_of(where.axis, where.bin, kBins), Extent::none()};
+    range = Range{range.begin, middle, 1 - range.buffer, all.union_of(where.axis, 0, where.bin), Extent::none()};
+    for (size_t piece = 0; piece < pieces.count; ++piece) {
+      range.extent.include(found[piece].extent[0]);
+      right.extent.include(found[piece].extent[1]);
+    }
   }
 
-  Split find_split(const Range& range, const Binning& binning) const {
-    const auto all = reduce(
-        range, std::vector<Bins>(1),
-        [&](uint32_t begin, uint32_t end, std::vector<Bins>& bins) {
-          for (uint32_t i = begin; i < end; ++i) {
-            const MovingBox& box = primitives_[i].box;
-            for (int axis = 0; axis < axes_; ++axis) {
-              if (binning.scale[static_cast<size_t>(axis)] == 0) continue;
-              Bin& bin = bins[0].bin[static_cast<size_t>(axis)][binning(box, axis)];
-              bin.box.include(box);
-              ++bin.count;
-            }
-          }
-        },
-        [&](std::vector<Bins>& total, const std::vector<Bins>& part) { total[0].include(part[0], axes_); });
-    Split best;
-    float best_cost = std::numeric_limits<float>::infinity();
-    for (int axis = 0; axis < axes_; ++axis) {
-      const auto& bins = all[0].bin[static_cast<size_t>(axis)];
-      if (binning.scale[static_cast<size_t>(axis)] == 0) continue;
-      std::array<float, kBins> right_cost{};
-      Bin right;
-      for (uint32_t b = kBins - 1; b > 0; --b) {
-        right.include(bins[b]);
-        right_cost[b] = right.count == 0 ? 0 : right.box.cost() * block_tests(right.count);
-      }
-      Bin left;
-      for (uint32_t b = 1; b < kBins; ++b) {
-        left.include(bins[b - 1]);
-        if (left.count == 0 || left.count == range.count()) continue;
-        const float cost = left.box.cost() * block_tests(left.count) + right_cost[b];
-        if (cost < best_cost) {
-          best_cost = cost;
-          best = {axis, b};
-        }
-      }
+  /// Moves n primitives to their side's place and measures the sides. kKind: of the axis that is split, 0 for place.
+  template <size_t kKind>
+  static void move(const Primitive* from, uint32_t n, const Binning& binning, const Split& split, Primitive* to,
+                   std::array<uint32_t, 2>& next, std::array<Extent, 2>& extent) {
+    const size_t lane = split.axis % kPlaceAxes;
+    for (uint32_t i = 0; i < n; ++i) {
+      const Primitive moved = from[i];
+      const SortValues values(moved.box);
+      const IntLanes bins = binning.bins(kKind == 0 ? values.place : values.velocity, kKind);
+      const size_t side = static_cast<uint32_t>(bins[lane]) >= split.bin ? 1 : 0;
+      to[next[side]++] = moved;
+      extent[side].include(values);
     }
-    return best;
-  }
-
-  /// Splits `range` in two, neither of them empty.
-  std::pair<Range, Range> split(const Range& range, bool halve) {
-    const Binning binning = make_binning(range);
-    const Split at = halve ? Split{} : find_split(range, binning);
-    uint32_t middle = range.begin + range.count() / 2;  // where nothing tells the primitives apart
-    if (at.axis >= 0) {
-      const auto first = primitives_.begin() + range.begin, last = primitives_.begin() + range.end;
-      const auto edge =
-          std::partition(first, last, [&](const Primitive& p) { return binning(p.box, at.axis) < at.bin; });
-      middle = static_cast<uint32_t>(edge - primitives_.begin());
-    }
-    Range left{range.begin, middle, MovingBox::empty()}, right{middle, range.end, MovingBox::empty()};
-    left.box = bounds(left);
-    right.box = bounds(right);
-    return {left, right};
   }
 
   /// Appends the node of `range` (more than kWidth primitives) and all below it to `nodes`; returns the depth.
   uint32_t build_node(const Range& range, uint32_t level, std::vector<WideNode>& nodes) {
     std::array<Range, kWidth> child;
+    std::array<float, kWidth> cost{};
     child[0] = range;
     uint32_t count = 1;
     while (count < kWidth) {
       // Open the child that is most likely to be met.
       int costliest = -1;
       float highest_cost = -1;
-      for (uint32_t c = 0; c < count; ++c) {
-        const float cost = child[c].box.cost();
-        if (child[c].count() > kWidth && cost > highest_cost) {
+      for (uint32_t c = 0; c < count; ++c)
+        if (child[c].count() > kWidth && !(cost[c] <= highest_cost)) {  // costs that are no number are the highest
           costliest = static_cast<int>(c);
-          highest_cost = cost;
+          highest_cost = cost[c];
         }
-      }
       if (costliest < 0) break;
-      auto [left, right] = split(child[static_cast<size_t>(costliest)], level > kDeepestHeuristicLevel);
-      child[static_cast<size_t>(costliest)] = left;
-      child[count++] = right;
+      const size_t opened = static_cast<size_t>(costliest);
+      split(child[opened], child[count], level > kDeepestHeuristicLevel);
+      cost[opened] = child[opened].box.cost();
+      cost[count] = child[count].box.cost();
+      ++count;
     }
 
+    const bool parallel = range.count() >= kParallelCount;
     const size_t self = nodes.size();
     nodes.emplace_back();
     std::array<std::vector<WideNode>, kWidth> below;
     std::array<uint32_t, kWidth> depth{};
     const auto build_child = [&](size_t c, std::vector<WideNode>& out) {
-      if (child[c].count() > kWidth) depth[c] = build_node(child[c], level + 1, out);
+      if (child[c].count() > kWidth)
+        depth[c] = build_node(child[c], level + 1, out);
+      else
+        write_order(child[c]);
     };
-    const bool parallel = range.count() >= kParallelCount;
-    if (parallel)
+    if (parallel) {
       parallel_for(count, 1, [&](size_t begin, size_t end) {
-        for (size_t c = begin; c < end; ++c) build_child(c, below[c]);
+        for (size_t c = begin; c < end; ++c) {
+          if (child[c].count() < kParallelCount) below[c].reserve(child[c].count() / kPrimitivesPerNode);
+          build_child(c, below[c]);
+        }
       });
-    uint32_t deepest = 0;
+      size_t sum = 1;
+      for (const auto& subtree : below) sum += subtree.size();
+      nodes.reserve(sum);
+    }
+    uint32_t deepest = 0, leaves = 0;
     for (uint32_t c = 0; c < count; ++c) {
-      WideChild out{child[c].box, child[c].begin, child[c].count(), kNoNode};
-      if (child[c].count() > kWidth) {
-        out.node = static_cast<NodeRef>(nodes.size());
-        if (parallel)
-          append(below[c], nodes);
-        else
-          build_child(c, nodes);
-      }
-      nodes[self].child[c] = out;
+      const bool leaf = child[c].count() <= kWidth;
+      leaves += leaf ? 1 : 0;
+      nodes[self].child[c].set(child[c].box, child[c].begin, child[c].count(),
+                               leaf ? kNoNode : static_cast<NodeRef>(nodes.size()));
+      if (parallel)
+        append(below[c], nodes);
+      else
+        build_child(c, nodes);
       deepest = std::max(deepest, depth[c]);
     }
     nodes[self].child_count = count;
+    nodes[self].leaf_count = leaves;
     return deepest + 1;
+  }
+
+  void write_order(const Range& range) const {
+    for (uint32_t i = range.begin; i < range.end; ++i) order_[i] = buffer_[range.buffer][i].id();
   }
 
   /// Moves a finished subtree behind `nodes`, so that the order is that of a serial build.
@@ -264,18 +247,22 @@ class Builder {
     const NodeRef offset = static_cast<NodeRef>(nodes.size());
     for (WideNode& node : subtree) {
       for (uint32_t c = 0; c < node.child_count; ++c)
-        if (node.child[c].node != kNoNode) node.child[c].node += offset;
+        if (!node.child[c].is_leaf()) node.child[c].move_node(offset);
       nodes.push_back(node);
     }
     std::vector<WideNode>().swap(subtree);
   }
 
-  std::span<Primitive> primitives_;
-  int axes_;
+  LargeArray<Primitive> other_;
+  std::array<Primitive*, 2> buffer_;
+  std::span<TriangleId> order_;
+  bool moving_;
 };
 
 }  // namespace
 
-WideTree build_wide_tree(std::span<Primitive> primitives, bool moving) { return Builder(primitives, moving).build(); }
+WideTree build_wide_tree(std::span<Primitive> primitives, bool moving, std::span<TriangleId> order) {
+  return Builder(primitives, moving, order).build();
+}
 
 }  // namespace kairos
