@@ -140,6 +140,13 @@ TEST(Accel, DoesNotDependOnTheNumberOfThreads) {
   }
 }
 
+TEST(Accel, BlocksAreWellFilled) {
+  std::mt19937 random(test::seed());
+  const Accel accel = build_accel(std::vector{test::random_soup(random, test::Motion::deform, 20000)});
+  // Where ranges are split without regard to blocks, these hold less than six triangles on average.
+  EXPECT_LE(accel.moving.at(0).blocks.size(), 20000u / 7);
+}
+
 TEST(Accel, HostileGeometryMakesNoDeepTree) {
   // Each triangle a thousandth of the one before: every heuristic split takes off a few only.
   Mesh mesh;

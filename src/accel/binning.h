@@ -17,11 +17,14 @@ inline constexpr size_t kPlaceAxes = 3, kAxes = 6;
 /// Velocities that differ by less than this share of the range's extent are not worth a look: parting them saves no
 /// swept area.
 inline constexpr float kLeastVelocityShare = 0.25f;
-/// Triangles of a leaf are tested together; a range costs as many block tests as it will fill blocks of about this
-/// size.
-inline constexpr uint32_t kBlockFill = 4;
+/// Triangles of a block are tested together, and what each of them costs beyond that is a small share of it, measured
+/// on the scenes of docs/scenes.md. So ranges are split where blocks will be full, if that costs little else.
+inline constexpr float kCostPerTriangle = 0.25f;
 
-inline float block_tests(uint32_t count) { return static_cast<float>((count + kBlockFill - 1) / kBlockFill); }
+/// What the triangles below a node cost once it is met, in block tests.
+inline float block_tests(uint32_t count) {
+  return static_cast<float>((count + kWidth - 1) / kWidth) + kCostPerTriangle * static_cast<float>(count);
+}
 
 /// Smallest and negated largest sort values of a range. Values that are no number, from sums that overflow, leave it as
 /// it is.

@@ -32,8 +32,9 @@ struct alignas(64) Node {
   uint32_t count;  ///< children 0 to count - 1 exist; the other slots repeat child 0's box
 };
 
+/// Aligned to what one row of it is long: at 64 bytes a twentieth would be padding.
 template <int kKeys>
-struct alignas(64) TriangleBlock {
+struct alignas(32) TriangleBlock {
   float position[kKeys][3][3][kWidth];  ///< [key][vertex][axis][triangle]
   uint32_t mesh[kWidth];
   uint32_t triangle[kWidth];
