@@ -1,5 +1,6 @@
 #include "base/large_array.h"
 
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 
@@ -17,7 +18,7 @@ constexpr size_t kLeastForLargePages = 4 * kLargePage;
 
 void* allocate_large(size_t bytes) {
   const size_t alignment = bytes < kLeastForLargePages ? kCacheLine : kLargePage;
-  if (bytes > static_cast<size_t>(-1) - alignment) throw std::bad_alloc();
+  if (bytes > static_cast<size_t>(PTRDIFF_MAX) - alignment) throw std::bad_alloc();
   void* const memory = std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
   if (memory == nullptr) throw std::bad_alloc();
 #ifdef MADV_HUGEPAGE
