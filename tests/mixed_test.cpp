@@ -209,12 +209,57 @@ TEST(Mixed, CheapStillRaysTakeTheNoiseOfWhatStandsStill) {
 TEST(Mixed, IsQmcWhereNothingMoves) {
   std::mt19937 random(9);
   const Shot shot = shot_of({still_soup(random, 30)});
-  const Image qmc = render(shot, params_of(IntegratorKind::qmc, 4, 16, 3));
-  for (const IntegratorKind kind : {IntegratorKind::mixed, IntegratorKind::automatic}) {
-    const Image image = render(shot, params_of(kind, 4, 16, 3));
-    for (const char* channel : {"R", "G", "B", "coverage.A", "depth.Z"})
-      EXPECT_EQ(image.find(channel)->values, qmc.find(channel)->values) << channel;
+  const auto channels_of = [&](IntegratorKind kind, SamplerKind sampler, int spp) {
+    RenderParams params = params_of(kind, 4, spp, 3);
+    params.sampler = sampler;
+    const Image image = render(shot, params);
+    std::vector<std::vector<float>> values;
+    for (const char* channel : {"R", "G", "B", "coverage.A", "depth.Z"}) values.push_back(image.find(channel)->values);
+    return values;
+  };
+  for (const SamplerKind sampler : {SamplerKind::owen_sobol, SamplerKind::multi_jitter, SamplerKind::random}) {
+    const auto qmc = channels_of(IntegratorKind::qmc, sampler, 8);
+    EXPECT_EQ(channels_of(IntegratorKind::mixed, sampler, 8), qmc);
+    EXPECT_EQ(channels_of(IntegratorKind::automatic, sampler, 8), qmc);
   }
+  EXPECT_EQ(channels_of(IntegratorKind::automatic, SamplerKind::multi_jitter, 64),
+            channels_of(IntegratorKind::qmc, SamplerKind::multi_jitter, 64))
+      << "points that are good only all together";
+}
+
+TEST(Mixed, AutomaticTakesMoreSamplesWhereTheyDiffer) {
+  std::mt19937 random(9);
+  const Shot shot = shot_of({still_soup(random, 6)});
+  const Image reference = render(shot, params_of(IntegratorKind::qmc, 1, 16384, 1));
+  double before = INFINITY;
+  for (const int spp : {16, 64, 256}) {
+    RenderStats stats;
+    double automatic = 0, qmc = 0;
+    for (const uint64_t seed : {2u, 3u, 4u}) {
+      automatic += mean_square_difference(render(shot, params_of(IntegratorKind::automatic, 1, spp, seed), &stats),
+                                          reference, "R");
+      qmc += mean_square_difference(render(shot, params_of(IntegratorKind::qmc, 1, spp, seed)), reference, "R");
+    }
+    EXPECT_LT(automatic, 0.6 * qmc) << spp;
+    EXPECT_LT(automatic, before / 4) << "no bias that stays";
+    EXPECT_LT(static_cast<double>(stats.rays), 1.25 * spp * kWidth * kHeight) << "with the looks beforehand";
+    before = automatic;
+  }
+}
+
+TEST(Mixed, AutomaticIsTheSameForAnyCropAndThreads) {
+  const Shot shot = busy_shot();
+  RenderParams params = params_of(IntegratorKind::automatic, 1, 64, 5);
+  params.threads = 1;
+  const Image whole = render(shot, params);
+  params.threads = 2;
+  EXPECT_EQ(render(shot, params).find("R")->values, whole.find("R")->values);
+  params.crop = Crop{7, 23, 11, 30};
+  const Image part = render(shot, params);
+  for (int y = 11; y < 30; ++y)
+    for (int x = 7; x < 23; ++x)
+      ASSERT_EQ(part.find("R")->values[static_cast<size_t>((y - 11) * 16 + x - 7)],
+                whole.find("R")->values[static_cast<size_t>(y * kWidth + x)]);
 }
 
 TEST(Mixed, AutomaticTakesDiscreteSamplesOnStillOutlinesInFrontOfMotion) {
@@ -233,8 +278,12 @@ TEST(Mixed, AutomaticTakesDiscreteSamplesOnStillOutlinesInFrontOfMotion) {
     board.positions[1][v].x = static_cast<float>(20 * pixel);
   }
   const Shot shot = shot_of({rectangle(static_cast<float>(pixel / 2), 9, -1), board});
-  const Image qmc = render(shot, params_of(IntegratorKind::qmc, 1, 256, 3));
-  const Image automatic = render(shot, params_of(IntegratorKind::automatic, 1, 256, 3));
+  const auto picture = [&](IntegratorKind kind) {
+    RenderParams params = params_of(kind, 1, 256, 3);
+    params.sampler = SamplerKind::multi_jitter;  // the same number everywhere
+    return render(shot, params);
+  };
+  const Image qmc = picture(IntegratorKind::qmc), automatic = picture(IntegratorKind::automatic);
   const auto value = [](const Image& image, int x) {
     return image.find("G")->values[static_cast<size_t>(5 * kWidth + x)];
   };

@@ -39,6 +39,10 @@ class Integrator {
     /// Adds this worker's counts to `stats`.
     virtual void add_counts(RenderStats& stats) const = 0;
   };
+
+  /// What has to be known of the whole frame before its first pixel; called once, adds what it traces to `stats`. The
+  /// same for any crop.
+  virtual void prepare(Monitor& /*monitor*/, RenderStats& /*stats*/) {}
   virtual std::unique_ptr<Worker> make_worker() const = 0;
 };
 

@@ -7,12 +7,18 @@
 //   I = mean_k(L_k) + mean_k(W_k) (S - S')
 // takes from the still layer the noise of the few rays and puts in that of the many. It is handed on as segments: the
 // still parts of every ray get the colour L_k's sample had, plus (S - S'), which sums to the same.
+#include <mutex>
+
+#include "base/parallel.h"
 #include "discrete/discrete_scene.h"
 #include "integrators/allotment.h"
+#include "integrators/contrast.h"
+#include "integrators/discrete_samples.h"
 #include "integrators/integrator.h"
 #include "integrators/motion_mask.h"
 #include "integrators/packet_choice.h"
 #include "integrators/packet_shading.h"
+#include "integrators/sample_spread.h"
 #include "integrators/still_layer.h"
 
 namespace kairos {
@@ -26,13 +32,21 @@ bool has_still_veil(const Shot& shot, const Shader& shader) {
   return false;
 }
 
+/// Pixels in which the picture is looked at beforehand, for where samples are needed: a hundredth of the
+/// time at most.
+constexpr uint64_t kPixelsPerLook = 64, kLeastLooks = 128, kMostLooks = 4096;
+constexpr size_t kLeastContrasts = 16;  // fewer say nothing of the picture
+constexpr size_t kLooksPerTask = 64;
+
 class MixedIntegrator : public Integrator {
  public:
   MixedIntegrator(ShotParts& parts, const RenderParams& params, const PixelContext& context)
       : shot_(parts.shot()),
         context_(context),
+        params_(params),
         automatic_(params.integrator == IntegratorKind::automatic),
-        fixed_plan_{static_cast<uint32_t>(params.tc_rays), context.sampler.count()},
+        budget_(static_cast<uint32_t>(std::max(params.spp, automatic_ ? 1 : params.tc_rays))),
+        fixed_plan_{static_cast<uint32_t>(params.tc_rays), budget_},
         shading_(shading_options(params)),
         mask_(parts.motion_mask(context.filter.radius())),
         scene_(parts.discrete(params.discrete_keys)),
@@ -49,15 +63,40 @@ class MixedIntegrator : public Integrator {
   }
 
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<MixedWorker>(*this); }
+
+  void prepare(Monitor& monitor, RenderStats& stats) override {
+    if (!spreads_samples(params_)) return;
+    const Projection& frame = shot_.projection;
+    const uint64_t pixels = static_cast<uint64_t>(frame.width) * static_cast<uint64_t>(frame.height);
+    const auto count = static_cast<uint32_t>(std::clamp<uint64_t>(pixels / kPixelsPerLook, kLeastLooks, kMostLooks));
+    const Sampler places(SamplerKind::owen_sobol, count, 0);
+    std::vector<std::optional<double>> looks(count);
+    std::mutex mutex;  // of stats
+    parallel_for(count, kLooksPerTask, [&](size_t begin, size_t end) {
+      MixedWorker worker(*this);
+      for (size_t i = begin; i < end; ++i) {
+        const SamplePoint place = places.point(places.pixel(0, 0), static_cast<uint32_t>(i));
+        looks[i] = worker.look_at(static_cast<int>(place.x * static_cast<float>(frame.width)),
+                                  static_cast<int>(place.y * static_cast<float>(frame.height)), monitor);
+      }
+      const std::lock_guard<std::mutex> lock(mutex);
+      worker.add_counts(stats);
+    });
+    std::vector<double> contrasts;
+    for (const auto& look : looks)
+      if (look) contrasts.push_back(*look);
+    if (contrasts.size() < kLeastContrasts) return;
+    spread_.emplace(first_samples(budget_), most_samples(budget_), budget_, contrasts);
+  }
+
   const Tracer& tracer() const { return tracer_; }
 
  private:
   /// For a pixel in which things move.
   PixelPlan plan(int x, int y) const {
     if (!automatic_) return fixed_plan_;
-    const uint32_t budget = context_.sampler.count();
-    if (!still_layer_is_empty_ && budget < kLeastForStill) return {0, budget};
-    return allot(budget, mask_.speed(x, y), prices_, dither(x, y));
+    if (!still_layer_is_empty_ && budget_ < kLeastForStill) return {0, budget_};
+    return allot(budget_, mask_.speed(x, y), prices_, dither(x, y));
   }
 
   class MixedWorker : public Worker {
@@ -66,59 +105,64 @@ class MixedIntegrator : public Integrator {
         : integrator_(integrator),
           context_(integrator.context_),
           shading_(context_, integrator.shading_),
-          still_layer_(context_, integrator.scene_) {}
+          still_layer_(context_, integrator.scene_),
+          samples_(context_, integrator.scene_),
+          contrast_(integrator.shot_.background) {}
 
     void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
-      if (!integrator_.mask_.moves(x, y)) return render_discrete(x, y, pixel, DiscreteLayer::still, sink, monitor);
-      const PixelPlan plan = integrator_.plan(x, y);
-      still_layer_.begin_pixel(x, y, pixel);
-      if (plan.tc_rays == 0 || has_still_edge_in_front(x, y, monitor))
-        return render_discrete(x, y, pixel, DiscreteLayer::all, sink, monitor);
-      render_moving(x, y, pixel, plan, sink, monitor);
+      const PixelPlan plan = begin_pixel(x, y, pixel, monitor);
+      if (plan.tc_rays > 0) return render_moving(x, y, pixel, plan, sink, monitor);
+      const DiscreteLayer layer = integrator_.mask_.moves(x, y) ? DiscreteLayer::all : DiscreteLayer::still;
+      render_discrete(x, y, pixel, layer, sink, monitor);
+    }
+
+    /// The square of the contrast that a pixel's first samples have; nothing where it gets time-continuous rays.
+    std::optional<double> look_at(int x, int y, Monitor& monitor) {
+      const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
+      if (begin_pixel(x, y, pixel, monitor).tc_rays > 0) return std::nullopt;
+      const DiscreteLayer layer = integrator_.mask_.moves(x, y) ? DiscreteLayer::all : DiscreteLayer::still;
+      contrast_.begin_pixel(nullptr);
+      samples_.take(x, y, pixel, 0, first_samples(integrator_.budget_), layer, contrast_, monitor);
+      return contrast_.square();
     }
 
     void add_counts(RenderStats& stats) const override {
       stats.counters += workspace_.counters();
-      stats.rays += workspace_.counters().rays + discrete_rays_ + still_layer_.ray_count();
-      stats.segments += workspace_.counters().segments + discrete_hits_;
-      stats.shading_samples += shading_.evaluations() + discrete_hits_ + still_layer_.evaluations();
+      stats.rays += workspace_.counters().rays + samples_.ray_count() + still_layer_.ray_count();
+      stats.segments += workspace_.counters().segments + samples_.hit_count();
+      stats.shading_samples += shading_.evaluations() + samples_.hit_count() + still_layer_.evaluations();
     }
 
    private:
+    PixelPlan begin_pixel(int x, int y, const Sampler::Pixel& pixel, Monitor& monitor) {
+      still_layer_.begin_pixel(x, y, pixel);
+      if (!integrator_.mask_.moves(x, y)) return {};
+      const PixelPlan plan = integrator_.plan(x, y);
+      if (plan.tc_rays > 0 && has_still_edge_in_front(x, y, monitor)) return {};
+      return plan;
+    }
+
     /// Where something that stands still covers a part of the pixel in front of what moves, its outline is the noise,
     /// and more rays are better than exact ones.
     bool has_still_edge_in_front(int x, int y, Monitor& monitor) {
       if (!integrator_.automatic_ || integrator_.still_layer_is_empty_) return false;
-      const uint32_t probes = probe_rays(context_.sampler.count());
+      const uint32_t probes = probe_rays(integrator_.budget_);
       const uint32_t in_front = still_layer_.count_nearer(probes, integrator_.mask_.depth(x, y), monitor);
       return in_front > 0 && in_front < probes;
     }
 
-    /// Discrete samples over pixel and shutter.
+    /// Discrete samples over pixel and shutter: as many as the pixel needs, each time twice what there are.
     void render_discrete(int x, int y, const Sampler::Pixel& pixel, DiscreteLayer layer, RaySink& sink,
                          Monitor& monitor) {
-      for (uint32_t begin = 0; begin < context_.sampler.count(); begin += kRaysPerPoll) {
-        monitor.poll();
-        const uint32_t size = std::min(kRaysPerPoll, context_.sampler.count() - begin);
-        for (uint32_t i = 0; i < size; ++i) {
-          const SamplePoint point = context_.sampler.point(pixel, begin + i);
-          batch_[i] = context_.ray(x, y, point);
-          times_[i] = point.time;
-        }
-        integrator_.scene_.intersect(std::span(batch_).first(size), std::span(times_).first(size),
-                                     std::span(hits_).first(size), layer);
-        discrete_rays_ += size;
-        for (uint32_t i = 0; i < size; ++i) {
-          if (!hits_[i]) {
-            add_sky(context_.shader, batch_[i], times_[i], sink);
-            continue;
-          }
-          ++discrete_hits_;
-          const ShadedSegment seen =
-              shade_hit(context_.shader, batch_[i], times_[i], *hits_[i], {pixel.seed, begin + i});
-          sink.add({ShadedRay::Kind::discrete, {&seen, 1}, 1});
-        }
+      const std::optional<SampleSpread>& spread = integrator_.spread_;
+      if (!spread) return samples_.take(x, y, pixel, 0, integrator_.budget_, layer, sink, monitor);
+      contrast_.begin_pixel(&sink);
+      uint32_t taken = first_samples(integrator_.budget_);
+      samples_.take(x, y, pixel, 0, taken, layer, contrast_, monitor);
+      while (taken < spread->count(contrast_.square())) {
+        samples_.take(x, y, pixel, taken, 2 * taken, layer, contrast_, monitor);
+        taken *= 2;
       }
     }
 
@@ -241,16 +285,19 @@ class MixedIntegrator : public Integrator {
     std::vector<RayParts> rays_;
     std::vector<Stretch> stretches_;
     StillLayer still_layer_;
+    DiscreteSamples samples_;
+    ContrastSink contrast_;
     std::array<Ray, kRaysPerPoll> batch_;
     std::array<float, kRaysPerPoll> times_{};
-    std::array<std::optional<DiscreteHit>, kRaysPerPoll> hits_;
-    uint64_t discrete_rays_ = 0, discrete_hits_ = 0;
   };
 
   const Shot& shot_;
   const PixelContext& context_;
-  bool automatic_;        // plan per pixel
-  PixelPlan fixed_plan_;  // else
+  RenderParams params_;
+  bool automatic_;                      // plan per pixel
+  uint32_t budget_;                     // samples of a pixel
+  PixelPlan fixed_plan_;                // else
+  std::optional<SampleSpread> spread_;  // of pixels with discrete samples alone; unset: all get the budget
   ShadingOptions shading_;
   const MotionMask& mask_;
   const DiscreteScene& scene_;

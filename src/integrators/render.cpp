@@ -11,6 +11,7 @@
 #include "film/film.h"
 #include "integrators/integrator.h"
 #include "integrators/names.h"
+#include "integrators/sample_spread.h"
 #include "integrators/shot_parts.h"
 #include "integrators/spread.h"
 
@@ -44,7 +45,7 @@ void check(const Projection& p, const RenderParams& params, const Crop& crop) {
     refuse("keys for discrete rays must be 0 to " + std::to_string(kMaxTimeSteps));
 }
 
-/// Sample points per pixel.
+/// Samples per pixel that are asked for.
 int sample_count(const RenderParams& params) {
   switch (params.integrator) {
     case IntegratorKind::tc:
@@ -56,6 +57,13 @@ int sample_count(const RenderParams& params) {
       return params.tc_rays < 1 ? params.tc_rays : std::max(params.spp, params.tc_rays);
   }
   return 0;
+}
+
+/// Sample points that a pixel may need.
+uint32_t point_count(const RenderParams& params) {
+  const auto samples = static_cast<uint32_t>(std::max(sample_count(params), 0));
+  if (!spreads_samples(params) || samples > Sampler::kMaxCount) return samples;
+  return most_samples(samples);
 }
 
 bool shows_bounds(ShadingKind kind) { return kind == ShadingKind::bounds || kind == ShadingKind::bounds_exact; }
@@ -104,12 +112,12 @@ void render_tiles(const Integrator& integrator, const Shot& shot, const RenderPa
   });
 }
 
-void describe(Image& image, const Shot& shot, const RenderParams& params, const RenderStats& stats, uint32_t samples) {
+void describe(Image& image, const Shot& shot, const RenderParams& params, const RenderStats& stats, int samples) {
   const auto put = [&](const char* name, auto value) { image.attributes.push_back({name, value}); };
   put("kairos:version", std::string(version()));
   if (!shows_bounds(params.shading))
     put("kairos:integrator", std::string(name_of(kIntegratorNames, params.integrator)));
-  put("kairos:samples", static_cast<int>(samples));
+  put("kairos:samples", samples);
   if (params.integrator == IntegratorKind::mixed) put("kairos:tc_rays", params.tc_rays);
   if (params.integrator != IntegratorKind::qmc) {
     put("kairos:shading_samples", params.shading_samples);
@@ -140,7 +148,6 @@ Image Renderer::render(const RenderParams& params, RenderStats* stats_out, const
   const Shot& shot = parts_->shot();
   const Crop crop = params.crop.value_or(Crop{0, shot.projection.width, 0, shot.projection.height});
   check(shot.projection, params, crop);
-  const int samples = sample_count(params);
   const bool want_normal = std::find(params.aovs.begin(), params.aovs.end(), Aov::normal) != params.aovs.end();
   Film film(shot.projection.width, shot.projection.height, crop, params.aovs);
 
@@ -149,8 +156,7 @@ Image Renderer::render(const RenderParams& params, RenderStats* stats_out, const
   stats.threads = thread_count();
   const Shader& shader = parts_->shader(params.shading, want_normal, params.max_depth, params.discrete_keys);
   auto start = std::chrono::steady_clock::now();
-  const PixelContext context{CameraRays(shot.projection),
-                             Sampler(params.sampler, static_cast<uint32_t>(std::max(samples, 0)), params.seed),
+  const PixelContext context{CameraRays(shot.projection), Sampler(params.sampler, point_count(params), params.seed),
                              PixelFilter(params.filter), shader};
   const double own_seconds = seconds_since(start);  // of this picture alone
   const auto integrator = make_integrator(*parts_, params, context, stats);
@@ -160,13 +166,14 @@ Image Renderer::render(const RenderParams& params, RenderStats* stats_out, const
   start = std::chrono::steady_clock::now();
   const std::clock_t cpu_start = std::clock();
   Monitor monitor(progress, static_cast<uint64_t>(crop.x1 - crop.x0) * static_cast<uint64_t>(crop.y1 - crop.y0));
+  integrator->prepare(monitor, stats);
   render_tiles(*integrator, shot, params, crop, monitor, film, stats);
   monitor.finish();
   stats.render_seconds = seconds_since(start);
   stats.render_cpu_seconds = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
 
   Image image = film.take();
-  describe(image, shot, params, stats, context.sampler.count());
+  describe(image, shot, params, stats, sample_count(params));
   if (stats_out != nullptr) *stats_out = stats;
   return image;
 }

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "integrators/discrete_samples.h"
 #include "integrators/integrator.h"
 
 namespace kairos {
@@ -26,13 +27,6 @@ struct LayerLook {
     return {a.colour * s, a.normal * s, a.albedo * s, a.coverage * s};
   }
 };
-
-/// What a discrete ray sees, as its consumers want it.
-inline ShadedSegment shade_hit(const Shader& shader, const Ray& ray, float time, const DiscreteHit& hit,
-                               SampleKey key) {
-  const Shade shade = shader.shade(ray, hit.mesh, hit.triangle, time, key);
-  return {time, time, hit.dist, hit.dist, shade.colour, shade.normal, shade.albedo, hit.mesh, hit.triangle};
-}
 
 /// The first rays of a pixel through what stands still, traced when they are first needed. One thread's scratch memory.
 class StillLayer {

@@ -1,0 +1,114 @@
+// How many discrete samples a pixel gets, from how differently the first of them look.
+#include "integrators/sample_spread.h"
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include <kairos/render.h>
+
+#include "film/pixel_sum.h"
+#include "integrators/contrast.h"
+
+namespace kairos {
+namespace {
+
+ShadedSegment seen(Vec3f colour) {
+  ShadedSegment segment;
+  segment.colour = colour;
+  return segment;
+}
+
+TEST(Contrast, IsTheRangeOfWhatADisplayShows) {
+  const Vec3f background{0.5f, 0, 0};
+  ContrastSink contrast(background);
+  PixelSum sum(background, false);
+  const auto add = [&](Vec3f colour) {
+    const ShadedSegment segment = seen(colour);
+    contrast.add({ShadedRay::Kind::discrete, {&segment, 1}, 1});
+  };
+  contrast.begin_pixel(&sum);
+  EXPECT_EQ(contrast.square(), 0);
+  add({0.5f, 0.25f, 0});
+  EXPECT_EQ(contrast.square(), 0) << "one ray";
+  add({0.5f, 0.75f, 0});
+  EXPECT_EQ(contrast.square(), 0.25);
+  add({9, 0.5f, -1});
+  EXPECT_EQ(contrast.square(), 0.5) << "9 is shown as 1, -1 as 0";
+  contrast.add({ShadedRay::Kind::discrete, {}, 0});
+  EXPECT_EQ(contrast.square(), 0.5 - 0.25 + 0.75 * 0.75) << "the background has no green";
+  EXPECT_FLOAT_EQ(sum.colour().y, 1.5f / 4) << "rays are handed on as they are";
+  contrast.begin_pixel(nullptr);
+  add({std::numeric_limits<float>::quiet_NaN(), 0.5f, 0.5f});
+  add({0.5f, 0.5f, 0.5f});
+  EXPECT_TRUE(std::isfinite(contrast.square()));
+}
+
+TEST(SampleSpread, OnlyOwenSobolAndRandomPointsOfAutomaticHaveOne) {
+  RenderParams params;
+  params.integrator = IntegratorKind::automatic;
+  params.spp = 16;
+  EXPECT_TRUE(spreads_samples(params));
+  params.spp = 15;
+  EXPECT_FALSE(spreads_samples(params)) << "too few to begin with";
+  params.spp = 64;
+  params.sampler = SamplerKind::multi_jitter;
+  EXPECT_FALSE(spreads_samples(params)) << "its first points do not fill the pixel";
+  params.sampler = SamplerKind::random;
+  EXPECT_TRUE(spreads_samples(params));
+  for (const IntegratorKind kind : {IntegratorKind::qmc, IntegratorKind::mixed, IntegratorKind::tc}) {
+    params.integrator = kind;
+    EXPECT_FALSE(spreads_samples(params));
+  }
+}
+
+TEST(SampleSpread, CountsArePowersOfTwoWithinTheirBounds) {
+  for (const uint32_t budget : {16u, 17u, 100u, 256u, 1u << 20}) {
+    const uint32_t first = first_samples(budget), most = most_samples(budget);
+    EXPECT_GT(4 * first, budget);
+    EXPECT_LE(2 * first, budget);
+    EXPECT_LE(most, Sampler::kMaxCount);
+    const SampleSpread spread(first, most, budget, {0, 0, 0, 1e-3, 1});
+    uint32_t before = first;
+    for (const double contrast : {0.0, 1e-12, 1e-6, 1e-4, 1e-2, 0.1, 1.0, 3.0}) {
+      const uint32_t count = spread.count(contrast);
+      EXPECT_TRUE(std::has_single_bit(count));
+      EXPECT_GE(count, before) << "more contrast, fewer samples";
+      EXPECT_LE(count, most);
+      before = count;
+    }
+    EXPECT_EQ(spread.count(0), first);
+  }
+}
+
+TEST(SampleSpread, GivesEdgesWhatSmoothPixelsSave) {
+  // A fifth of the pixels are edges: half of the samples of the others are worth two more budgets to each of these, a
+  // little less since they are dearer.
+  const SampleSpread spread(32, 1024, 64, {0, 0, 0, 0, 1});
+  EXPECT_EQ(spread.count(1), 128u);
+  EXPECT_EQ(spread.count(0), 32u);
+  // On average the budget is kept.
+  for (const double share : {0.02, 0.1, 0.3, 0.6}) {
+    std::vector<double> contrasts(1000);
+    for (size_t i = 0; i < contrasts.size(); ++i)
+      if (static_cast<double>(i) < share * 1000) contrasts[i] = 0.01 + 0.003 * static_cast<double>(i);
+    const SampleSpread some(32, 1024, 64, contrasts);
+    double sum = 0;
+    for (const double contrast : contrasts) sum += some.count(contrast);
+    EXPECT_LT(sum / 1000, 1.1 * 64) << share;
+    EXPECT_GT(sum / 1000, 0.5 * 64) << share;
+  }
+}
+
+TEST(SampleSpread, LeavesPixelsAloneThatAreAllAlike) {
+  const SampleSpread spread(32, 1024, 64, {0.8, 0.9, 1, 1.1, 1.2});
+  for (const double contrast : {0.8, 1.0, 1.2}) EXPECT_EQ(spread.count(contrast), 64u);
+  const SampleSpread blank(32, 1024, 64, {0, 0, 0, 0});
+  EXPECT_EQ(blank.count(0), 32u);
+  EXPECT_EQ(blank.count(1), 1024u) << "a speck on an empty picture";
+}
+
+}  // namespace
+}  // namespace kairos
