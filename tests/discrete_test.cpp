@@ -262,6 +262,17 @@ TEST(Discrete, PacketsAgreeWithSingleRays) {
     EXPECT_EQ(one->front, hits[i]->front);
   }
   EXPECT_GT(hit_count, 300u);
+  // However many go together, and whatever is in the lanes that are left over.
+  for (const size_t count : {1, 7, 8, 9, 15, 16, 17, 24, 25}) {
+    std::vector<std::optional<DiscreteHit>> some(count, DiscreteHit{});
+    scene.intersect(std::span(rays).subspan(20, count), std::span(times).subspan(20, count), some);
+    for (size_t i = 0; i < count; ++i) {
+      ASSERT_EQ(some[i].has_value(), hits[20 + i].has_value()) << i << " of " << count;
+      if (some[i]) {
+        EXPECT_EQ(some[i]->triangle, hits[20 + i]->triangle);
+      }
+    }
+  }
   for (size_t i : {5, 6, 7, 8}) EXPECT_FALSE(hits[i]);
   EXPECT_THROW(scene.intersect(rays, std::span(times).first(3), hits), Error);
 }

@@ -19,7 +19,20 @@ namespace {
 
 static_assert(kMaxTimeSteps == RTC_MAX_TIME_STEP_COUNT);
 
-constexpr size_t kPacket = 8;
+/// Rays that go through the scene together. Sixteen are faster by up to a fifth where they stay together (the fan, the
+/// hall) and as fast where they don't; of fewer than nine, half of the lanes would be empty.
+constexpr size_t kLargePacket = 16, kSmallPacket = 8;
+
+struct LargePacket {
+  static constexpr size_t kSize = kLargePacket;
+  using Query = RTCRayHit16;
+  static constexpr auto kIntersect = rtcIntersect16;
+};
+struct SmallPacket {
+  static constexpr size_t kSize = kSmallPacket;
+  using Query = RTCRayHit8;
+  static constexpr auto kIntersect = rtcIntersect8;
+};
 
 bool usable(const Ray& ray, float time) {
   return is_finite(ray.origin) && is_finite(ray.direction) && !(ray.direction == Vec3f{}) && time >= 0 && time <= 1;
@@ -185,10 +198,11 @@ struct DiscreteScene::Impl {
                        query.hit.v,    faces(normal, ray.direction)};
   }
 
-  /// Up to kPacket rays; denormals must be zero already.
+  /// Up to Packet::kSize rays; denormals must be zero already.
+  template <class Packet>
   void intersect_packet(std::span<const Ray> rays, std::span<const float> times,
                         std::span<std::optional<DiscreteHit>> hits, DiscreteLayer layer) const {
-    RTCRayHit8 query{};
+    typename Packet::Query query{};
     for (size_t i = 0; i < rays.size(); ++i) {
       query.ray.org_x[i] = rays[i].origin.x;
       query.ray.org_y[i] = rays[i].origin.y;
@@ -205,7 +219,7 @@ struct DiscreteScene::Impl {
     context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     for (const Window& window : windows) {
       if (layer == DiscreteLayer::still && window.moves) continue;
-      alignas(32) int valid[kPacket]{};
+      alignas(64) int valid[Packet::kSize]{};
       bool any = false;
       for (size_t i = 0; i < rays.size(); ++i) {
         if (!usable(rays[i], times[i]) || !window.holds(times[i])) continue;
@@ -213,7 +227,7 @@ struct DiscreteScene::Impl {
         any = true;
         query.ray.time[i] = window.local(times[i]);
       }
-      if (any) rtcIntersect8(valid, window.scene.get(), &context.embree, &query);
+      if (any) Packet::kIntersect(valid, window.scene.get(), &context.embree, &query);
     }
     for (size_t i = 0; i < rays.size(); ++i) {
       hits[i].reset();
@@ -242,9 +256,16 @@ void DiscreteScene::intersect(std::span<const Ray> rays, std::span<const float> 
   if (rays.size() != times.size() || rays.size() != hits.size())
     throw Error(ErrorCode::bad_usage, "DiscreteScene", "as many rays as times and hits are needed");
   const DenormalsAreZero guard;
-  for (size_t i = 0; i < rays.size(); i += kPacket) {
-    const size_t count = std::min(kPacket, rays.size() - i);
-    impl_->intersect_packet(rays.subspan(i, count), times.subspan(i, count), hits.subspan(i, count), layer);
+  for (size_t i = 0; i < rays.size();) {
+    const size_t left = rays.size() - i, count = std::min(left, left > kSmallPacket ? kLargePacket : kSmallPacket);
+    const auto some_rays = rays.subspan(i, count);
+    const auto some_times = times.subspan(i, count);
+    const auto some_hits = hits.subspan(i, count);
+    if (count > kSmallPacket)
+      impl_->intersect_packet<LargePacket>(some_rays, some_times, some_hits, layer);
+    else
+      impl_->intersect_packet<SmallPacket>(some_rays, some_times, some_hits, layer);
+    i += count;
   }
 }
 

@@ -63,8 +63,8 @@ class DiscreteScene {
                                        float max_dist = std::numeric_limits<float>::infinity()) const;
 
   /// The same for many rays, all spans of one length. Rays that lie next to each other and go about the same way are
-  /// the cheapest: eight at a time go through the scene together. Which of two surfaces at exactly the same distance is
-  /// hit may then depend on a ray's seven neighbours.
+  /// the cheapest: eight or sixteen at a time go through the scene together. Which of two surfaces at exactly the same
+  /// distance is hit may then depend on a ray's neighbours.
   void intersect(std::span<const Ray> rays, std::span<const float> times, std::span<std::optional<DiscreteHit>> hits,
                  DiscreteLayer layer = DiscreteLayer::all) const;
 
