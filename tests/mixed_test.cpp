@@ -110,29 +110,33 @@ TEST(MotionMask, KnowsHowFastAndLeavesOutWhatStandsStill) {
 }
 
 TEST(Allotment, SpendsTheBudgetOverThePictureAndGoesByWorth) {
-  const RayPrices prices;
-  for (const double speed : {0.0, 0.3, 1.0, 10.0, 1000.0})
-    for (const uint32_t budget : {1u, 4u, 16u, 64u, 100u, 256u, 4096u}) {
-      double spent = 0;
-      int tc_pixels = 0;
-      constexpr int kSize = 32;
-      for (int y = 0; y < kSize; ++y)
-        for (int x = 0; x < kSize; ++x) {
-          const PixelPlan plan = allot(budget, speed, prices, dither(x, y));
-          EXPECT_EQ(plan.discrete, budget);
-          tc_pixels += plan.tc_rays > 0;
-          spent += plan.tc_rays > 0 ? plan.tc_rays * prices.tc_ray + plan.discrete * prices.still_ray : budget;
-          EXPECT_TRUE(std::has_single_bit(plan.tc_rays) || plan.tc_rays == 0 || plan.tc_rays == budget);
-          if (plan.tc_rays > 0) {
-            EXPECT_GT(worth(2 * plan.tc_rays, speed), budget);
+  RayPrices dear_alone;  // rays are cheaper together
+  dear_alone.tc_ray = {12, 9, 6};
+  for (const RayPrices& prices : {RayPrices{}, dear_alone})
+    for (const double speed : {0.0, 0.3, 1.0, 10.0, 1000.0})
+      for (const uint32_t budget : {1u, 4u, 16u, 64u, 100u, 256u, 4096u}) {
+        double spent = 0;
+        int tc_pixels = 0;
+        constexpr int kSize = 32;
+        for (int y = 0; y < kSize; ++y)
+          for (int x = 0; x < kSize; ++x) {
+            const PixelPlan plan = allot(budget, speed, prices, dither(x, y));
+            EXPECT_EQ(plan.discrete, budget);
+            tc_pixels += plan.tc_rays > 0;
+            spent += plan.tc_rays > 0
+                         ? plan.tc_rays * tc_ray_price(prices, plan.tc_rays) + plan.discrete * prices.still_ray
+                         : budget;
+            EXPECT_TRUE(std::has_single_bit(plan.tc_rays) || plan.tc_rays == 0 || plan.tc_rays == budget);
+            if (plan.tc_rays > 0) {
+              EXPECT_GT(worth(2 * plan.tc_rays, speed), budget);
+            }
           }
-        }
-      EXPECT_TRUE(tc_pixels == 0 || tc_pixels == kSize * kSize);
-      EXPECT_NEAR(spent / (kSize * kSize * budget), 1, 0.02) << budget << ' ' << speed;
-    }
-  EXPECT_EQ(allot(256, 0.1, prices, 0.5).tc_rays, 0u) << "slow motion is not worth it";
-  EXPECT_EQ(allot(4, 1000, prices, 0.5).tc_rays, 0u) << "too little for one";
-  EXPECT_GT(allot(256, 50, prices, 0.5).tc_rays, 0u);
+        EXPECT_TRUE(tc_pixels == 0 || tc_pixels == kSize * kSize);
+        EXPECT_NEAR(spent / (kSize * kSize * budget), 1, 0.02) << budget << ' ' << speed;
+      }
+  EXPECT_EQ(allot(256, 0.1, RayPrices{}, 0.5).tc_rays, 0u) << "slow motion is not worth it";
+  EXPECT_EQ(allot(4, 1000, RayPrices{}, 0.5).tc_rays, 0u) << "too little for one";
+  EXPECT_GT(allot(256, 50, RayPrices{}, 0.5).tc_rays, 0u);
 }
 
 TEST(Allotment, TracesNoMoreStillRaysThanTheirNoiseIsWorth) {
@@ -146,15 +150,15 @@ TEST(Allotment, TracesNoMoreStillRaysThanTheirNoiseIsWorth) {
 TEST(RayPrices, FollowTheWork) {
   const RayWork little{3, 10, 2, 2}, much{3, 40, 20, 12};
   const RayPrices a = estimate_prices(little, 1, true, ShadingKind::normal);
-  EXPECT_GT(a.tc_ray, 1);
+  EXPECT_GT(a.tc_ray[0], 1);
   EXPECT_GT(a.still_ray, 0);
   EXPECT_LT(a.still_ray, 1);
   EXPECT_EQ(estimate_prices(little, 1, false, ShadingKind::normal).still_ray, 0);
   // More key spans: the same hits are fewer at an instant, so discrete rays are cheaper and the others dearer.
-  EXPECT_GT(estimate_prices(much, 4, true, ShadingKind::normal).tc_ray,
-            1.2 * estimate_prices(much, 1, true, ShadingKind::normal).tc_ray);
+  EXPECT_GT(estimate_prices(much, 4, true, ShadingKind::normal).tc_ray[2],
+            1.2 * estimate_prices(much, 1, true, ShadingKind::normal).tc_ray[2]);
   // Where shading is most of the time, what counts is how often it is done.
-  EXPECT_NEAR(estimate_prices(much, 1, true, ShadingKind::whitted).tc_ray, 12, 4);
+  EXPECT_NEAR(estimate_prices(much, 1, true, ShadingKind::whitted).tc_ray[2], 12, 4);
 }
 
 RenderParams params_of(IntegratorKind kind, int tc_rays, int spp, uint64_t seed) {

@@ -14,6 +14,7 @@ using Action = std::function<void()>;
 /// command_line: as typed, for the picture's header or the page.
 void add_render_command(CLI::App& app, Action& chosen, const std::string& command_line);
 void add_study_command(CLI::App& app, Action& chosen, const std::string& command_line);
+void add_calibrate_command(CLI::App& app, Action& chosen);
 void add_query_command(CLI::App& app, Action& chosen);
 void add_info_command(CLI::App& app, Action& chosen);
 void add_compare_command(CLI::App& app, Action& chosen);

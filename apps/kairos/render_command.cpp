@@ -17,16 +17,20 @@
 #include "render_stats.h"
 #include "report.h"
 #include "scene/scene.h"
+#include "scene_io/calibration_file.h"
 
 namespace kairos::cli {
 
 namespace {
+
+constexpr const char* kDefaultCalibration = "default";
 
 struct RenderArguments {
   SceneArguments scene;
   RenderParams params;
   WriteOptions write;
   std::string out, stats_file, command_line;  ///< names of files: with `frames`, of a sequence's
+  std::string calibration = kDefaultCalibration;
   std::optional<FrameRange> frames;
   bool quiet = false;
 };
@@ -121,7 +125,21 @@ void render_job(const RenderArguments& arguments, const Job& job, const Scene& s
   }
 }
 
-void run_render(const RenderArguments& arguments) {
+/// What rays cost, if a file says so.
+std::optional<Calibration> calibration_of(const RenderArguments& arguments) {
+  if (arguments.calibration == kDefaultCalibration) return std::nullopt;
+  const CalibrationFile file = read_calibration(arguments.calibration);
+  const auto shading = name_of(kAllShadingNames, arguments.params.shading);
+  if (file.shading != shading)
+    throw Error(ErrorCode::bad_input, arguments.calibration,
+                fmt::format("was measured with '--shading {}', and this picture has '{}'; measure again with kairos "
+                            "calibrate --shading {}",
+                            file.shading, shading, shading));
+  return file.calibration;
+}
+
+void run_render(RenderArguments& arguments) {
+  arguments.params.calibration = calibration_of(arguments);
   const std::vector<Job> jobs = jobs_of(arguments);
   for (const Job& job : jobs) {
     check_writable_image(job.out);
@@ -203,6 +221,9 @@ void add_sampling_options(CLI::App& app, RenderArguments& out) {
              "bounds: blue to red, for how long rays meet moving meshes' boxes as the kernels see it, bounds-exact: "
              "as it is");
   add_count(app, "--max-depth", params.max_depth, 0, 64, "whitted: how often a ray may be reflected or refracted");
+  app.add_option("--calibration", out.calibration,
+                 "What rays cost, by which auto chooses them: a file of kairos calibrate, or default: estimated")
+      ->type_name("FILE|default");
   add_count(app, "--seed", params.seed, 0, UINT64_MAX, "Another seed gives another noise");
   add_instruction_set(app, params.instruction_set);
 }

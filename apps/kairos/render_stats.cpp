@@ -46,6 +46,19 @@ std::string stats_text(const RenderParams& params, const Shot& shot, const Rende
   json["integrator"] = name_of(kIntegratorNames, params.integrator);
   json["samples"] = tc ? params.tc_rays : params.spp;
   json["seed"] = params.seed;
+  if (stats.prices) {
+    nlohmann::ordered_json& chosen = json["auto"];
+    chosen["calibration"] = params.calibration ? "measured" : "default";
+    nlohmann::ordered_json& prices = chosen["prices"];  // in discrete samples
+    prices["still_ray"] = stats.prices->still_ray;
+    for (size_t i = 0; i < Calibration::kRays.size(); ++i)
+      prices["tc_ray"][std::to_string(Calibration::kRays[i])] = stats.prices->tc_ray[i];
+    const Crop crop = params.crop.value_or(Crop{0, shot.projection.width, 0, shot.projection.height});
+    const auto pixels = static_cast<uint64_t>(crop.x1 - crop.x0) * static_cast<uint64_t>(crop.y1 - crop.y0);
+    chosen["moving_pixels"] = ratio(stats.moving_pixels, pixels);
+    chosen["tc_pixels"] = ratio(stats.tc_pixels, pixels);
+    chosen["mean_tc_rays"] = ratio(stats.counters.rays, stats.tc_pixels);
+  }
   // Embree does not count its work: null, rather than a number that is not known.
   nlohmann::ordered_json& counters = json["counters"];
   const auto counted = [&](uint64_t count) {

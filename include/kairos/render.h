@@ -1,6 +1,7 @@
 // From a shot to a picture.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -62,6 +63,25 @@ struct Crop {
   int x0 = 0, x1 = 0, y0 = 0, y1 = 0;
 };
 
+/// Processor time of rays of one shot, in nanoseconds, on one thread, where something moves: tracing, shading and
+/// adding up. See Renderer::calibrate.
+struct Calibration {
+  /// Time-continuous rays per pixel of which the time is known: the more there are, the less does each take.
+  static constexpr std::array<int, 3> kRays{1, 4, 16};
+
+  double discrete_sample = 0;  ///< of everything; above 0
+  double still_ray = 0;        ///< a discrete ray to what stands still; 0 where nothing does, or it is never seen
+  std::array<double, kRays.size()> tc_ray{};  ///< a time-continuous ray, of kRays in a pixel; above 0
+};
+
+/// In units of one discrete sample of everything; see Calibration.
+struct RayPrices {
+  std::array<double, Calibration::kRays.size()> tc_ray{8, 8, 8};
+  double still_ray = 0.3;
+
+  friend bool operator==(const RayPrices&, const RayPrices&) = default;
+};
+
 struct RenderParams {
   IntegratorKind integrator = IntegratorKind::automatic;
   int tc_rays = 16;         ///< tc: rays per pixel; mixed: the same, where anything moves; 1 to 2^20
@@ -79,6 +99,9 @@ struct RenderParams {
   uint64_t seed = 0;
   int threads = 0;                                ///< 0: as many as the machine has; no effect on the picture
   std::optional<InstructionSet> instruction_set;  ///< tc: unset: the best one
+  /// automatic: what rays cost in this shot. Unset: estimated from how much work a few of them are. The picture depends
+  /// on these numbers, and never on how long anything takes while it is rendered.
+  std::optional<Calibration> calibration;
   /// Motion is given to Embree with at least this many keys, in even steps between those that the shot has: 0 (only
   /// those) to 129. More of them make its boxes tighter and its trees larger; the motion stays the same.
   int discrete_keys = 0;
@@ -95,16 +118,19 @@ struct BuildSeconds {
 };
 
 struct RenderStats {
-  double build_seconds = 0;       ///< wall clock: all parts that this picture uses, and what it alone needs
-  BuildSeconds parts;             ///< of the parts it uses; those made for an earlier picture count as much
-  double render_seconds = 0;      ///< wall clock
-  double render_cpu_seconds = 0;  ///< processor time of the whole process, over all threads, while it renders
-  uint64_t rays = 0;              ///< from the camera
-  uint64_t segments = 0;          ///< visibility segments (discrete rays: hits)
-  uint64_t shading_samples = 0;   ///< shading evaluations
-  TraceCounters counters;         ///< tc, mixed
-  size_t accel_memory_bytes = 0;  ///< tc, mixed
-  int threads = 0;                ///< used
+  double build_seconds = 0;         ///< wall clock: all parts that this picture uses, and what it alone needs
+  BuildSeconds parts;               ///< of the parts it uses; those made for an earlier picture count as much
+  double render_seconds = 0;        ///< wall clock
+  double render_cpu_seconds = 0;    ///< processor time of the whole process, over all threads, while it renders
+  uint64_t rays = 0;                ///< from the camera
+  uint64_t segments = 0;            ///< visibility segments (discrete rays: hits)
+  uint64_t shading_samples = 0;     ///< shading evaluations
+  TraceCounters counters;           ///< tc, mixed
+  size_t accel_memory_bytes = 0;    ///< tc, mixed
+  uint64_t moving_pixels = 0;       ///< mixed, automatic: in which something may move
+  uint64_t tc_pixels = 0;           ///< of them: with time-continuous rays
+  std::optional<RayPrices> prices;  ///< automatic: by which rays were chosen; unset where nothing moves
+  int threads = 0;                  ///< used
   std::optional<InstructionSet> instruction_set;  ///< of the tc kernels; unset: discrete rays
 };
 
@@ -126,6 +152,11 @@ class Renderer {
   /// One picture at a time. The image's attributes say how it was made.
   /// Throws Error(bad_usage) for parameters out of range, Error(cancelled) when `progress` says so.
   Image render(const RenderParams& params = {}, RenderStats* stats = nullptr, const Progress& progress = {});
+
+  /// Measures what rays cost, for RenderParams::calibration: a few seconds on one thread, in pixels of the whole frame
+  /// in which something moves. Of `params`, what rays are shaded with counts, and the kernels they use. Throws
+  /// Error(bad_input) where nothing moves.
+  Calibration calibrate(const RenderParams& params = {}, const Progress& progress = {});
 
  private:
   std::unique_ptr<class ShotParts> parts_;

@@ -48,10 +48,12 @@ inline double dither(int x, int y) {
 /// in [0, 1), is less than the share of pixels for which it then lasts, the one above.
 inline PixelPlan allot(uint32_t budget, double speed, const RayPrices& prices, double chance) {
   const PixelPlan discrete{0, budget};
-  const double samples = budget, affordable = (samples - samples * prices.still_ray) / prices.tc_ray;
-  if (!(affordable >= 1)) return discrete;
-  const auto low = std::bit_floor(static_cast<uint32_t>(std::min(affordable, samples)));
-  const double share = std::min(1.0, affordable / low - 1);  // of pixels with twice as many
+  const double samples = budget, time = samples - samples * prices.still_ray;
+  const auto cost = [&](double rays) { return rays * tc_ray_price(prices, rays); };
+  if (!(cost(1) <= time)) return discrete;
+  uint32_t low = 1;
+  while (2 * low <= budget && cost(2.0 * low) <= time) low *= 2;
+  const double share = std::clamp((time - cost(low)) / (cost(2.0 * low) - cost(low)), 0.0, 1.0);  // with twice as many
   const double error = (1 - share) / worth(low, speed) + share / worth(2.0 * low, speed);
   if (!(1 / error > kRequiredGain * samples)) return discrete;
   return {std::min(chance < share ? 2 * low : low, budget), budget};

@@ -58,6 +58,10 @@ class MixedIntegrator : public Integrator {
     if (mask_.empty()) return;
     packets_ = choose_packets(context, shot_.projection, tracer_);
     if (!automatic_) return;
+    if (params.calibration) {
+      prices_ = prices_of(*params.calibration);
+      return;
+    }
     const RayWork work = sample_ray_work(context, shot_, mask_, tracer_, shading_);
     prices_ = estimate_prices(work, mean_key_spans(shot_), anything_still, params.shading);
   }
@@ -65,6 +69,7 @@ class MixedIntegrator : public Integrator {
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<MixedWorker>(*this); }
 
   void prepare(Monitor& monitor, RenderStats& stats) override {
+    if (automatic_ && !mask_.empty()) stats.prices = prices_;
     if (!spreads_samples(params_)) return;
     const Projection& frame = shot_.projection;
     const uint64_t pixels = static_cast<uint64_t>(frame.width) * static_cast<uint64_t>(frame.height);
@@ -80,7 +85,7 @@ class MixedIntegrator : public Integrator {
                                   static_cast<int>(place.y * static_cast<float>(frame.height)), monitor);
       }
       const std::lock_guard<std::mutex> lock(mutex);
-      worker.add_counts(stats);
+      worker.add_ray_counts(stats);
     });
     std::vector<double> contrasts;
     for (const auto& look : looks)
@@ -112,8 +117,13 @@ class MixedIntegrator : public Integrator {
     void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
       const PixelPlan plan = begin_pixel(x, y, pixel, monitor);
-      if (plan.tc_rays > 0) return render_moving(x, y, pixel, plan, sink, monitor);
-      const DiscreteLayer layer = integrator_.mask_.moves(x, y) ? DiscreteLayer::all : DiscreteLayer::still;
+      const bool moves = integrator_.mask_.moves(x, y);
+      moving_pixels_ += moves;
+      if (plan.tc_rays > 0) {
+        ++tc_pixels_;
+        return render_moving(x, y, pixel, plan, sink, monitor);
+      }
+      const DiscreteLayer layer = moves ? DiscreteLayer::all : DiscreteLayer::still;
       render_discrete(x, y, pixel, layer, sink, monitor);
     }
 
@@ -128,6 +138,12 @@ class MixedIntegrator : public Integrator {
     }
 
     void add_counts(RenderStats& stats) const override {
+      add_ray_counts(stats);
+      stats.moving_pixels += moving_pixels_;
+      stats.tc_pixels += tc_pixels_;
+    }
+
+    void add_ray_counts(RenderStats& stats) const {
       stats.counters += workspace_.counters();
       stats.rays += workspace_.counters().rays + samples_.ray_count() + still_layer_.ray_count();
       stats.segments += workspace_.counters().segments + samples_.hit_count();
@@ -289,6 +305,7 @@ class MixedIntegrator : public Integrator {
     ContrastSink contrast_;
     std::array<Ray, kRaysPerPoll> batch_;
     std::array<float, kRaysPerPoll> times_{};
+    uint64_t moving_pixels_ = 0, tc_pixels_ = 0;
   };
 
   const Shot& shot_;

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <string>
+
+#include <kairos/error.h>
 
 #include "integrators/motion_mask.h"
 #include "integrators/packet_shading.h"
@@ -29,6 +33,9 @@ double shading_time(ShadingKind kind) {
       return 60;
   }
 }
+
+// Nanoseconds that a ray may take; a clock that says anything else is broken.
+constexpr double kLeastTime = 1e-3, kMostTime = 1e9;
 
 constexpr int kPixels = 64;                     // looked at
 constexpr uint32_t kRays = Tracer::kMaxPacket;  // in each
@@ -75,7 +82,39 @@ RayPrices estimate_prices(const RayWork& work, double key_spans, bool anything_s
   const double still = kStill + shade;
   const double tc = kNode * work.nodes + kTriangle * work.triangles + kHit * work.hits +
                     (kEvaluation + shade) * std::max(1.0, work.evaluations);
-  return {tc / discrete, anything_still ? std::min(1.0, still / discrete) : 0};
+  RayPrices prices;
+  prices.tc_ray.fill(tc / discrete);
+  prices.still_ray = anything_still ? std::min(1.0, still / discrete) : 0;
+  return prices;
+}
+
+double tc_ray_price(const RayPrices& prices, double rays) {
+  constexpr auto kRays = Calibration::kRays;
+  if (rays <= kRays.front()) return prices.tc_ray.front();
+  for (size_t i = 1; i < kRays.size(); ++i)
+    if (rays <= kRays[i]) {
+      const double place = std::log2(rays / kRays[i - 1]) / std::log2(static_cast<double>(kRays[i]) / kRays[i - 1]);
+      return prices.tc_ray[i - 1] + (prices.tc_ray[i] - prices.tc_ray[i - 1]) * place;
+    }
+  return prices.tc_ray.back();
+}
+
+RayPrices prices_of(const Calibration& calibration) {
+  const auto check = [](double time, double least, const char* what) {
+    if (!(time >= least && time <= kMostTime))
+      throw Error(ErrorCode::bad_usage, "",
+                  std::string("a calibration's time of a ") + what + " must be " + (least > 0 ? "1e-3" : "0") +
+                      " to 1e9 nanoseconds");
+  };
+  check(calibration.discrete_sample, kLeastTime, "discrete sample");
+  check(calibration.still_ray, 0, "still ray");
+  RayPrices prices;
+  prices.still_ray = calibration.still_ray / calibration.discrete_sample;
+  for (size_t i = 0; i < prices.tc_ray.size(); ++i) {
+    check(calibration.tc_ray[i], kLeastTime, "time-continuous ray");
+    prices.tc_ray[i] = calibration.tc_ray[i] / calibration.discrete_sample;
+  }
+  return prices;
 }
 
 double mean_key_spans(const Shot& shot) {

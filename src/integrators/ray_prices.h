@@ -1,5 +1,5 @@
-// What rays cost, from counts of their work: recorded numbers instead of clocks, so that a picture is the same every
-// time.
+// What rays cost: measured once for a shot, or from counts of their work. Either are recorded numbers instead of
+// clocks, so that a picture is the same every time.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@
 
 namespace kairos {
 
-/// In units of one discrete sample of everything, where something moves; shading included.
-struct RayPrices {
-  double tc_ray = 8;
-  double still_ray = 0.3;  ///< a discrete ray to what stands still; 0 where nothing does
-};
+/// Of one of `rays` time-continuous rays in a pixel: on straight lines over the logarithm of their number.
+double tc_ray_price(const RayPrices& prices, double rays);
+
+/// Throws Error(bad_usage) for times that nothing takes.
+RayPrices prices_of(const Calibration& calibration);
 
 /// Means over time-continuous rays through pixels in which something moves.
 struct RayWork {

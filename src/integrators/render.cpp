@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <ctime>
 #include <mutex>
 
@@ -10,7 +11,9 @@
 #include "discrete/uniform_runs.h"
 #include "film/film.h"
 #include "integrators/integrator.h"
+#include "integrators/measure_rays.h"
 #include "integrators/names.h"
+#include "integrators/ray_prices.h"
 #include "integrators/sample_spread.h"
 #include "integrators/shot_parts.h"
 #include "integrators/spread.h"
@@ -41,6 +44,7 @@ void check(const Projection& p, const RenderParams& params, const Crop& crop) {
   if (params.max_depth < 0 || params.max_depth > kMostDepth)
     refuse("the depth of reflections must be 0 to " + std::to_string(kMostDepth));
   if (params.threads < 0) refuse("the number of threads must not be negative");
+  if (params.calibration) prices_of(*params.calibration);
   if (params.discrete_keys < 0 || params.discrete_keys > static_cast<int>(kMaxTimeSteps))
     refuse("keys for discrete rays must be 0 to " + std::to_string(kMaxTimeSteps));
 }
@@ -112,6 +116,21 @@ void render_tiles(const Integrator& integrator, const Shot& shot, const RenderPa
   });
 }
 
+std::string calibration_text(const std::optional<Calibration>& calibration) {
+  if (!calibration) return "default";
+  // As many digits as tell numbers apart: the picture depends on them.
+  const auto number = [](double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.17g", value);
+    return std::string(text);
+  };
+  std::string text =
+      "discrete_sample " + number(calibration->discrete_sample) + ", still_ray " + number(calibration->still_ray);
+  for (size_t i = 0; i < Calibration::kRays.size(); ++i)
+    text += ", tc_ray of " + std::to_string(Calibration::kRays[i]) + " " + number(calibration->tc_ray[i]);
+  return text + " ns";
+}
+
 void describe(Image& image, const Shot& shot, const RenderParams& params, const RenderStats& stats, int samples) {
   const auto put = [&](const char* name, auto value) { image.attributes.push_back({name, value}); };
   put("kairos:version", std::string(version()));
@@ -123,6 +142,7 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
     put("kairos:shading_samples", params.shading_samples);
     put("kairos:clusters", std::string(name_of(kClustersNames, shading_options(params).clusters)));
   }
+  if (params.integrator == IntegratorKind::automatic) put("kairos:calibration", calibration_text(params.calibration));
   put("kairos:sampler", std::string(name_of(kSamplerNames, params.sampler)));
   put("kairos:shading", std::string(name_of(kAllShadingNames, params.shading)));
   if (params.shading == ShadingKind::whitted) put("kairos:max_depth", params.max_depth);
@@ -176,6 +196,13 @@ Image Renderer::render(const RenderParams& params, RenderStats* stats_out, const
   describe(image, shot, params, stats, sample_count(params));
   if (stats_out != nullptr) *stats_out = stats;
   return image;
+}
+
+Calibration Renderer::calibrate(const RenderParams& params, const Progress& progress) {
+  const Projection& frame = parts_->shot().projection;
+  check(frame, params, {0, frame.width, 0, frame.height});
+  const ThreadLimit limit(1);
+  return measure_rays(*parts_, params, progress);
 }
 
 Image render(const Shot& shot, const RenderParams& params, RenderStats* stats, const Progress& progress) {

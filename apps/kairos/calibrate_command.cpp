@@ -1,0 +1,81 @@
+// kairos calibrate: scene in, prices of rays out.
+#include <memory>
+
+#include <kairos/error.h>
+#include <kairos/render.h>
+
+#include "arguments.h"
+#include "commands.h"
+#include "integrators/names.h"
+#include "interrupt.h"
+#include "output/atomic_file.h"
+#include "scene/scene.h"
+#include "scene_io/calibration_file.h"
+
+namespace kairos::cli {
+
+namespace {
+
+struct CalibrateArguments {
+  SceneArguments scene;
+  RenderParams params;
+  std::string out;
+  bool quiet = false;
+};
+
+Calibration measure(const Shot& shot, const RenderParams& params) {
+  Renderer renderer(shot);
+  begin_polling();
+  try {
+    const Calibration calibration = renderer.calibrate(params, [](double) { return !interrupted(); });
+    end_polling();
+    if (!interrupted()) return calibration;
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::cancelled) throw;
+  }
+  throw Error(ErrorCode::cancelled, "", "interrupted");
+}
+
+void run_calibrate(const CalibrateArguments& arguments) {
+  check_writable(arguments.out);
+  const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
+  if (!arguments.quiet)
+    for (const std::string& warning : scene->warnings) fmt::print(stderr, "warning: {}\n", warning);
+  const Shot shot = make_shot(*scene, arguments.scene.shot);
+  const CalibrationFile result{measure(shot, arguments.params),
+                               std::string(name_of(kShadingNames, arguments.params.shading))};
+  const std::string text = calibration_text(result);
+  AtomicFile file(arguments.out);
+  file.write(text.data(), text.size());
+  file.commit();
+  if (arguments.quiet) return;
+  const Calibration& c = result.calibration;
+  fmt::print(stderr, "a discrete sample takes {:.0f} ns, a still ray {:.0f} ns, a time-continuous ray",
+             c.discrete_sample, c.still_ray);
+  for (size_t i = 0; i < c.tc_ray.size(); ++i)
+    fmt::print(stderr, "{} {:.0f} ns (of {})", i == 0 ? "" : ",", c.tc_ray[i], Calibration::kRays[i]);
+  fmt::print(stderr, "\nwrote {}\n", arguments.out);
+}
+
+}  // namespace
+
+void add_calibrate_command(CLI::App& app, Action& chosen) {
+  CLI::App& command = *app.add_subcommand("calibrate", "Measure what rays of a shot cost, for auto to choose by");
+  const auto arguments = std::make_shared<CalibrateArguments>();
+  RenderParams& params = arguments->params;
+  add_scene_arguments(command, arguments->scene);
+  command.add_option("-o,--output", arguments->out, "The file to write")->type_name("FILE.json")->required();
+  add_choice(command, "--shading", params.shading, kShadingNames, "As for render: rays are shaded, too");
+  add_count(command, "--max-depth", params.max_depth, 0, 64, "As for render");
+  add_count(command, "--shading-samples", params.shading_samples, 1, 1u << 16, "As for render");
+  add_choice(command, "--clusters", params.clusters, kClustersNames, "As for render");
+  add_instruction_set(command, params.instruction_set);
+  command.add_flag("--quiet", arguments->quiet, "Errors only");
+  command.callback([arguments, &chosen] {
+    arguments->scene.shot.textures = arguments->params.shading != ShadingKind::normal;
+    arguments->scene.shot.strict = arguments->scene.load.strict;
+    chosen = [arguments] { run_calibrate(*arguments); };
+  });
+}
+
+}  // namespace kairos::cli
