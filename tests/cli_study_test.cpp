@@ -88,6 +88,20 @@ TEST_F(CliStudy, ItsNumbersAreThoseOfRenderAndCompare) {
   EXPECT_NEAR(data()["entries"][0]["reference_psnr"].get<double>(), true_error, 2) << "estimated by its halves";
 }
 
+TEST_F(CliStudy, ACropIsThatOfTheWholeFrame) {
+  ASSERT_EQ(run(kSmall + "--methods tc --crop 4,20,6,12").status, 0);
+  ASSERT_EQ(run("render scene.json -o whole.png --size 32x20 --integrator tc --tc-rays 2 --shading-samples 8 --seed 1 "
+                "--crop 4,20,6,12 --quiet")
+                .status,
+            0);
+  EXPECT_TRUE(read(path("out/pictures/scene-normal-tc-2-8.png")) == read(path("whole.png")));
+  EXPECT_EQ(data()["entries"][0]["width"], 16);
+  EXPECT_EQ(data()["entries"][0]["height"], 6);
+  for (const study::Run& r : runs())
+    EXPECT_EQ(r.rays, static_cast<uint64_t>(r.setting.tc_rays) * 16 * 6) << "of the cropped picture alone";
+  EXPECT_EQ(run(kSmall + "--methods tc --crop 4,20,6,22 --force").status, 2) << "there are 20 rows";
+}
+
 TEST_F(CliStudy, InterruptedItGoesOnWhereItStopped) {
   ASSERT_EQ(run(kSmall + "--quiet").status, 0);
   const std::string whole = read(path("out/runs.csv"));

@@ -141,6 +141,40 @@ TEST(StudySummary, DifferencesAreTakenWithinEachSeed) {
   EXPECT_EQ(find(summary, "auto", Comparison::At::psnr, 50), nullptr) << "not reached by the first seed";
 }
 
+TEST(StudySummary, ComparesAtTheTimeOfTimeContinuousRays) {
+  StudyOptions options;
+  options.methods = {Method::owen_sobol, Method::tc, Method::automatic};
+  options.budgets = {4, 16, 64};
+  options.tc_rays = {4, 16, 64};
+  options.shading_samples = {8};
+  std::vector<study::Run> runs;
+  for (int seed = 1; seed <= 2; ++seed) {
+    for (const auto& [spp, seconds, psnr] : {std::tuple{4, 1.0, 20.0}, {16, 4.0, 30.0}, {64, 16.0, 40.0}}) {
+      runs.push_back(run_of(Method::owen_sobol, spp, seed, seconds, psnr));
+      runs.push_back(run_of(Method::automatic, spp, seed, seconds, psnr + 1));
+    }
+    // 4 rays take 2 s, half way from 4 to 16 samples: 25 dB.
+    for (const auto& [rays, seconds, psnr] : {std::tuple{4, 2.0, 28.0}, {16, 8.0, 42.0}, {64, 32.0, 56.0}}) {
+      runs.push_back(run_of(Method::tc, 0, seed, seconds, psnr + seed));
+      runs.back().setting.tc_rays = rays;
+      runs.back().setting.shading_samples = 8;
+    }
+  }
+  const EntrySummary summary = summarize({"s", ShadingKind::normal}, series_of(options), runs, std::nullopt);
+  const Comparison* four = find(summary, "tc", Comparison::At::tc_rays, 4);
+  ASSERT_TRUE(four != nullptr && four->gain);
+  EXPECT_DOUBLE_EQ(four->seconds, 2);
+  EXPECT_NEAR(four->baseline_psnr, 25, 1e-9);
+  EXPECT_NEAR(four->gain->median, 4.5, 1e-9) << "29 and 30 dB";
+  const Comparison* automatic = find(summary, "auto", Comparison::At::tc_rays, 16);
+  ASSERT_TRUE(automatic != nullptr && automatic->gain && automatic->speed);
+  EXPECT_DOUBLE_EQ(automatic->seconds, 8);
+  EXPECT_NEAR(automatic->gain->median, 1, 1e-9);
+  EXPECT_NEAR(automatic->speed->median, std::pow(4, 0.1), 1e-9) << "10 dB per factor of four";
+  EXPECT_EQ(find(summary, "tc", Comparison::At::tc_rays, 64), nullptr) << "32 s: the baseline ends at 16";
+  EXPECT_NE(comparisons_csv({summary}).find("s,normal,tc,owen-sobol,tc_rays,4,2,25,4.5,"), std::string::npos);
+}
+
 TEST(StudyPlan, SettingsComeOnceAndByCost) {
   StudyOptions options;
   options.tc_rays = {1, 8};

@@ -32,6 +32,7 @@ RenderParams params_under(const Conditions& conditions, const Setting& setting, 
   params.shading = conditions.shading;
   params.discrete_keys = conditions.keys;
   params.threads = conditions.threads;
+  params.crop = conditions.crop;
   params.seed = seed;
   return params;
 }

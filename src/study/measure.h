@@ -28,6 +28,7 @@ struct Conditions {
   int keys = 0;
   int threads = 1;
   Clock clock = Clock::cpu;
+  std::optional<kairos::Crop> crop{};
 };
 
 struct Measured {

@@ -63,7 +63,7 @@ Json json_of(const Comparison& c) {
   Json json;
   json["series"] = c.series;
   json["baseline"] = c.baseline;
-  json["at"] = c.at == Comparison::At::psnr ? "psnr" : "spp";
+  json["at"] = kairos::name_of(kAtNames, c.at);
   json["value"] = c.value;
   json["seconds"] = number(c.seconds);
   json["baseline_psnr"] = number(c.baseline_psnr);

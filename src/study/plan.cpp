@@ -28,7 +28,7 @@ void add_tc(const StudyOptions& options, std::vector<Series>& all) {
       *std::min_element(options.shading_samples.begin(), options.shading_samples.end(), [](int a, int b) {
         return std::abs(std::log2(a) - std::log2(kLadderSamples)) < std::abs(std::log2(b) - std::log2(kLadderSamples));
       });
-  Series ladder{"tc", fmt::format("tc, growing rays, N = {}", ladder_samples), {}};
+  Series ladder{std::string(kTcLadder), fmt::format("tc, growing rays, N = {}", ladder_samples), {}};
   for (const int rays : options.tc_rays) {
     ladder.settings.push_back({Method::tc, 0, rays, ladder_samples});
     if (rays > kMostDetailRays) continue;

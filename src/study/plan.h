@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -30,7 +31,8 @@ struct StudyOptions {
   std::vector<std::string> scenes;  ///< files; each is an entry of its own
   LoadOptions load;
   ShotOptions shot;
-  std::string folder;  ///< where everything is written
+  std::optional<kairos::Crop> crop;  ///< of each frame, what is rendered; unset: all of it
+  std::string folder;                ///< where everything is written
   std::vector<ShadingKind> shadings{ShadingKind::normal};
   std::vector<Method> methods{Method::random, Method::multi_jitter, Method::owen_sobol,
                               Method::tc,     Method::mixed,        Method::automatic};
@@ -70,6 +72,7 @@ struct Series {
 /// and for each number of rays up to kMostDetailRays one over growing shading samples.
 std::vector<Series> series_of(const StudyOptions& options);
 inline constexpr int kLadderSamples = 8, kMostDetailRays = 4;
+inline constexpr std::string_view kTcLadder = "tc";  ///< name of the former
 
 /// Every setting of these series once, those of about the same cost next to each other, so that no method has a part of
 /// the study to itself.

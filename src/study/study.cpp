@@ -26,8 +26,9 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-SceneFacts facts_of(const std::string& name, const Shot& shot, int keys) {
-  SceneFacts facts{name, shot.projection.width, shot.projection.height, 0, 0, keys};
+SceneFacts facts_of(const std::string& name, const Shot& shot, const std::optional<kairos::Crop>& crop, int keys) {
+  const kairos::Crop whole{0, shot.projection.width, 0, shot.projection.height}, shown = crop.value_or(whole);
+  SceneFacts facts{name, shown.x1 - shown.x0, shown.y1 - shown.y0, 0, 0, keys};
   for (const Mesh& mesh : shot.meshes) {
     facts.triangles += mesh.triangles.size();
     if (!mesh.is_static()) facts.moving_triangles += mesh.triangles.size();
@@ -95,7 +96,8 @@ class Study {
     const Shot shot = make_shot(*scene, options_.shot);
     for (const std::string& warning : shot.warnings) log_(fmt::format("{}: warning: {}", name, warning));
     Renderer renderer(shot);
-    if (folder_.find_scene(name) == nullptr) folder_.add(facts_of(name, shot, best_keys(renderer, shot, name)));
+    if (folder_.find_scene(name) == nullptr)
+      folder_.add(facts_of(name, shot, options_.crop, best_keys(renderer, shot, name)));
     for (const Entry& entry : entries) measure_entry(renderer, entry);
   }
 
@@ -103,8 +105,9 @@ class Study {
     const bool moves =
         std::any_of(shot.meshes.begin(), shot.meshes.end(), [](const Mesh& m) { return !m.is_static(); });
     if (!moves || options_.keys.size() == 1) return options_.keys.front();
-    const std::vector<KeysTime> times = time_keys(renderer, {ShadingKind::normal, 0, options_.threads, options_.clock},
-                                                  options_.keys, progress(name + ": choosing keys", 0));
+    const std::vector<KeysTime> times =
+        time_keys(renderer, {ShadingKind::normal, 0, options_.threads, options_.clock, options_.crop}, options_.keys,
+                  progress(name + ": choosing keys", 0));
     std::string list;
     for (const KeysTime& one : times)
       list += fmt::format("{}{} keys {:.3g} s", list.empty() ? "" : ", ", one.keys, one.seconds);
@@ -113,7 +116,8 @@ class Study {
   }
 
   void measure_entry(Renderer& renderer, const Entry& entry) {
-    const Conditions conditions{entry.shading, folder_.find_scene(entry.scene)->keys, options_.threads, options_.clock};
+    const Conditions conditions{entry.shading, folder_.find_scene(entry.scene)->keys, options_.threads, options_.clock,
+                                options_.crop};
     const Image reference = reference_of(renderer, entry, conditions);
     for (int seed = 1; seed <= options_.seeds; ++seed) {
       // A B, then B A: whatever drifts hits all alike.

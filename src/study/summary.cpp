@@ -51,32 +51,46 @@ struct Place {
   double value;
 };
 
+/// A time, and what the baseline has then.
+struct Moment {
+  double seconds, level;
+};
+
+/// Where `place` is among one seed's runs. tc: those of kTcLadder.
+std::optional<Moment> moment_of(const Place& place, const std::vector<const Run*>& base, const Curve& base_curve,
+                                const std::vector<const Run*>& tc) {
+  std::optional<Moment> moment;
+  if (place.at == Comparison::At::psnr) {
+    if (const auto seconds = base_curve.seconds_at(place.value)) moment = {*seconds, place.value};
+  } else if (place.at == Comparison::At::spp) {
+    for (const Run* run : base)
+      if (run->setting.spp == static_cast<int>(place.value) && std::isfinite(run->error.psnr))
+        moment = {run->seconds, run->error.psnr};
+  } else {
+    for (const Run* run : tc)
+      if (run->setting.tc_rays == static_cast<int>(place.value))
+        if (const auto psnr = base_curve.psnr_at(run->seconds)) moment = {run->seconds, *psnr};
+  }
+  return moment;
+}
+
 std::optional<Comparison> compare_at(const Place& place, const Series& series, const RunsBySeed& method,
-                                     const Series& baseline, const RunsBySeed& base) {
+                                     const Series& baseline, const RunsBySeed& base, const RunsBySeed& tc) {
   Comparison result{series.name, baseline.name, place.at, place.value, 0, 0, {}, {}};
   std::vector<double> seconds, levels, gains, speeds;
   size_t seeds = 0;
   for (const auto& [seed, base_runs] : base) {
-    const auto found = method.find(seed);
+    const auto found = method.find(seed), found_tc = tc.find(seed);
     if (found == method.end()) continue;
     ++seeds;
     const Curve base_curve = curve_of(base_runs), curve = curve_of(found->second);
-    double level = place.value;
-    std::optional<double> time;
-    if (place.at == Comparison::At::psnr) {
-      time = base_curve.seconds_at(level);
-    } else {
-      for (const Run* run : base_runs)
-        if (run->setting.spp == static_cast<int>(place.value) && std::isfinite(run->error.psnr)) {
-          time = run->seconds;
-          level = run->error.psnr;
-        }
-    }
-    if (!time) continue;
-    seconds.push_back(*time);
-    levels.push_back(level);
-    if (const auto psnr = curve.psnr_at(*time)) gains.push_back(*psnr - level);
-    if (const auto own = curve.seconds_at(level)) speeds.push_back(*time / *own);
+    const auto moment =
+        moment_of(place, base_runs, base_curve, found_tc == tc.end() ? std::vector<const Run*>() : found_tc->second);
+    if (!moment) continue;
+    seconds.push_back(moment->seconds);
+    levels.push_back(moment->level);
+    if (const auto psnr = curve.psnr_at(moment->seconds)) gains.push_back(*psnr - moment->level);
+    if (const auto own = curve.seconds_at(moment->level)) speeds.push_back(moment->seconds / *own);
   }
   if (seeds == 0 || seconds.size() < seeds) return std::nullopt;
   result.seconds = median(seconds);
@@ -89,6 +103,8 @@ std::optional<Comparison> compare_at(const Place& place, const Series& series, c
 
 std::vector<Comparison> compare(const Entry& entry, const std::vector<Series>& all, const std::vector<Run>& runs) {
   std::vector<Comparison> comparisons;
+  const auto ladder = std::find_if(all.begin(), all.end(), [](const Series& s) { return s.name == kTcLadder; });
+  const RunsBySeed tc = ladder == all.end() ? RunsBySeed() : runs_of(*ladder, entry, runs);
   for (const Method method : kBaselines) {
     const auto baseline = std::find_if(all.begin(), all.end(),
                                        [&](const Series& series) { return series.settings.front().method == method; });
@@ -97,11 +113,15 @@ std::vector<Comparison> compare(const Entry& entry, const std::vector<Series>& a
     std::vector<Place> places;
     for (const int level : kLevels) places.push_back({Comparison::At::psnr, static_cast<double>(level)});
     for (const Setting& s : baseline->settings) places.push_back({Comparison::At::spp, static_cast<double>(s.spp)});
+    if (ladder != all.end())
+      for (const Setting& s : ladder->settings)
+        places.push_back({Comparison::At::tc_rays, static_cast<double>(s.tc_rays)});
     for (const Series& series : all) {
       if (series.name == baseline->name) continue;
       const RunsBySeed own = runs_of(series, entry, runs);
       for (const Place& place : places)
-        if (const auto comparison = compare_at(place, series, own, *baseline, base)) comparisons.push_back(*comparison);
+        if (const auto comparison = compare_at(place, series, own, *baseline, base, tc))
+          comparisons.push_back(*comparison);
     }
   }
   return comparisons;
@@ -158,8 +178,8 @@ std::string comparisons_csv(const std::vector<EntrySummary>& entries) {
   for (const EntrySummary& entry : entries)
     for (const Comparison& c : entry.comparisons)
       text += fmt::format("{},{},{},{},{:.5g},{:.5g},{:.5g},{},{}\n", entry_fields(entry), c.series, c.baseline,
-                          c.at == Comparison::At::psnr ? "psnr" : "spp", c.value, c.seconds, c.baseline_psnr,
-                          fields(c.gain), fields(c.speed));
+                          kairos::name_of(kAtNames, c.at), c.value, c.seconds, c.baseline_psnr, fields(c.gain),
+                          fields(c.speed));
   return text;
 }
 

@@ -30,12 +30,13 @@ struct SeriesSummary {
 /// A method against a baseline in equal time, and in equal quality.
 struct Comparison {
   enum class At {
-    psnr,  ///< the time at which the baseline has so many dB
-    spp,   ///< the time of the baseline's so many samples per pixel
+    psnr,     ///< the time at which the baseline has so many dB
+    spp,      ///< the time of the baseline's so many samples per pixel
+    tc_rays,  ///< the time of so many time-continuous rays per pixel, of the series kTcLadder
   };
   std::string series, baseline;
   At at = At::psnr;
-  double value = 0;               ///< dB or samples
+  double value = 0;               ///< dB, samples or rays
   double seconds = 0;             ///< the time meant, median
   double baseline_psnr = 0;       ///< the baseline's then, median
   std::optional<Estimate> gain;   ///< dB more than the baseline in that time
@@ -48,6 +49,9 @@ struct EntrySummary {
   std::vector<SeriesSummary> series;
   std::vector<Comparison> comparisons;
 };
+
+inline constexpr std::pair<std::string_view, Comparison::At> kAtNames[] = {
+    {"psnr", Comparison::At::psnr}, {"spp", Comparison::At::spp}, {"tc_rays", Comparison::At::tc_rays}};
 
 /// The baselines' qualities at which methods are compared, dB.
 inline constexpr int kLevels[] = {25, 30, 35, 38, 40, 45, 50};

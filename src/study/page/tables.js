@@ -27,7 +27,8 @@ function comparisonTable(entry, baseline, at, field, caption, write, neutral) {
   if (rows.length === 0) return null;
   const heads = values.map((value) => {
     const one = all.find((c) => c.value === value);
-    return at === 'psnr' ? `${value} dB (${duration(one.seconds)})` : `${value} spp (${fixed(one.baseline_psnr, 1)} dB)`;
+    if (at === 'psnr') return `${value} dB (${duration(one.seconds)})`;
+    return `${value} ${at === 'spp' ? 'spp' : 'TC rays'} (${fixed(one.baseline_psnr, 1)} dB)`;
   });
   return tableOf(caption, ['', ...heads], rows);
 }
@@ -40,6 +41,7 @@ function comparisonsOf(entry) {
     body.replaceChildren(...[
       comparisonTable(entry, baseline, 'psnr', 'gain', `dB more than ${baseline} in the time in which it reaches …`, decibels, 0),
       comparisonTable(entry, baseline, 'spp', 'gain', `dB more than ${baseline} in the time of its …`, decibels, 0),
+      comparisonTable(entry, baseline, 'tc_rays', 'gain', `dB more than ${baseline} in the time of time-continuous rays …`, decibels, 0),
       comparisonTable(entry, baseline, 'psnr', 'speed', `times as fast as ${baseline} to …`, times, 1),
       comparisonTable(entry, baseline, 'spp', 'speed', `times as fast as ${baseline} to the quality of its …`, times, 1),
     ].filter((table) => table !== null));
