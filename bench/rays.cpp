@@ -1,205 +1,237 @@
-// What a time-continuous ray costs beside a discrete one: the same camera rays through both, one thread, interleaved.
+// What a time-continuous ray costs beside the best discrete one, without sampler and shading: the same rays through
+// both, one thread, processor time, interleaved; and what building either costs.
 //
-// usage: bench_rays SCENE... [--size WxH] [--rays N] [--rounds N] [--instruction-set NAME] [--shutter OPEN,CLOSE]
-//                   [--threads N] [--builds N]
+// usage: bench_rays SCENE... [options below] [--csv FILE]
 //
-// Prints build times (by --threads threads, the median of --builds) and bytes of both accelerators, then for every
-// round the time per ray of each, the median of the ratio, and the counters of a time-continuous ray. The sampler and
-// shading are left out.
+// Measures, for the CSV file: build_tc_s, build_discrete_s (each round; the shot's own keys), bytes_tc, bytes_discrete,
+// bytes_discrete_best, triangles, moving_triangles; for each number of camera rays per pixel tc_ns and discrete_ns per
+// ray, packet (how many of them go together), and for one time-continuous ray nodes, tests (of triangles), root_solves,
+// hits and segments; incoherent_tc_ns and incoherent_discrete_ns for single rays that each go their own way;
+// best_keys and best_keys_incoherent: how many motion keys of Embree's (--keys) were fastest, and so are meant by
+// "discrete".
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <ctime>
-#include <random>
+#include <functional>
+#include <optional>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
 
-#include <kairos/error.h>
-#include <kairos/scene.h>
 #include <kairos/tracer.h>
 
 #include "base/parallel.h"
 #include "discrete/discrete_scene.h"
+#include "integrators/packet_choice.h"
+#include "measuring.h"
+#include "ray_sets.h"
+#include "shot_choice.h"
+#include "study/statistics.h"
 
-namespace kairos {
+namespace kairos::bench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-/// Jittered rays in tiles, as an integrator would trace them; only so many tiles, spread over the image, as give about
-/// `wanted` rays.
-std::vector<Ray> camera_rays(const Projection& projection, int rays_per_pixel, size_t wanted) {
-  constexpr int kTile = 16;
-  const int columns = (projection.width + kTile - 1) / kTile, rows = (projection.height + kTile - 1) / kTile;
-  const size_t tiles = static_cast<size_t>(columns) * static_cast<size_t>(rows);
-  const size_t rays_per_tile = static_cast<size_t>(kTile * kTile * rays_per_pixel);
-  const double stride = std::max(1.0, static_cast<double>(tiles * rays_per_tile) / static_cast<double>(wanted));
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> uniform(0, 1);
-  const double half = std::tan(projection.vfov / 2);
-  std::vector<Ray> rays;
-  for (double place = 0; place < static_cast<double>(tiles); place += stride) {
-    const int tile = static_cast<int>(place), x0 = tile % columns * kTile, y0 = tile / columns * kTile;
-    for (int y = y0; y < std::min(y0 + kTile, projection.height); ++y)
-      for (int x = x0; x < std::min(x0 + kTile, projection.width); ++x)
-        for (int i = 0; i < rays_per_pixel; ++i) {
-          const double px = (x + uniform(random)) / projection.width * 2 - 1;
-          const double py = 1 - (y + uniform(random)) / projection.height * 2;
-          const double aspect = static_cast<double>(projection.width) / projection.height;
-          rays.push_back({{0, 0, 0}, to_float(Vec3d{px * half * aspect, py * half, -1})});
-        }
-  }
-  return rays;
-}
-
-/// Of all threads: on a busy machine the better measure of what a build costs.
-double processor_time() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
-struct BuildTimes {
-  std::vector<double> seconds, processor_seconds;
-
-  template <class Build>
-  void measure(const Build& build) {
-    const auto start = Clock::now();
-    const double processor_start = processor_time();
-    build();
-    seconds.push_back(seconds_since(start));
-    processor_seconds.push_back(processor_time() - processor_start);
-  }
+struct Options {
+  std::vector<int> rays_per_pixel{1, 4, 16}, keys{0, 3, 5, 9};
+  size_t rays = 100000, incoherent = 20000;
+  int rounds = 5, build_rounds = 3;
+  std::string instruction_set, csv;
+  bool single = false, tc_only = false;
 };
+
+void print(const std::string& text) { fmt::print(stderr, "{}\n", text); }
+
+TracerOptions tracer_options(const Options& options) {
+  TracerOptions result;
+  result.precision = Precision::fast;
+  if (!options.instruction_set.empty()) {
+    result.instruction_set = parse_instruction_set(options.instruction_set);
+    if (!result.instruction_set) throw Error(ErrorCode::bad_usage, "--instruction-set", "there is none of that name");
+  }
+  return result;
+}
+
+DiscreteScene discrete_scene(const Shot& shot, int keys) {
+  DiscreteOptions options;
+  options.keys = keys;
+  return DiscreteScene(shot.meshes, options);
+}
+
+void measure_builds(const Shot& shot, const Options& options, Rows& rows) {
+  size_t triangles = 0, moving = 0;
+  for (const Mesh& mesh : shot.meshes) {
+    triangles += mesh.triangles.size();
+    if (!mesh.is_static()) moving += mesh.triangles.size();
+  }
+  rows.add("triangles", static_cast<double>(triangles));
+  rows.add("moving_triangles", static_cast<double>(moving));
+  size_t tc_bytes = 0, discrete_bytes = 0;
+  std::vector<double> tc, discrete;
+  const auto build_tc = [&] {
+    tc.push_back(
+        seconds_of(processor_seconds, [&] { tc_bytes = Tracer(shot.meshes, tracer_options(options)).memory_bytes(); }));
+  };
+  const auto build_discrete = [&] {
+    if (options.tc_only) return;
+    discrete.push_back(seconds_of(processor_seconds, [&] { discrete_bytes = discrete_scene(shot, 0).memory_bytes(); }));
+  };
+  for (int round = 0; round < options.build_rounds; ++round) {  // A B, B A
+    if (round % 2 == 0) build_tc();
+    build_discrete();
+    if (round % 2 != 0) build_tc();
+  }
+  rows.add("build_tc_s", 0, tc);
+  rows.add("build_discrete_s", 0, discrete);
+  rows.add("bytes_tc", static_cast<double>(tc_bytes));
+  if (!options.tc_only) rows.add("bytes_discrete", static_cast<double>(discrete_bytes));
+  print(fmt::format("{} triangles, {} of them moving; bytes per triangle: tc {:.0f}, discrete {:.0f}", triangles,
+                    moving, static_cast<double>(tc_bytes) / static_cast<double>(std::max<size_t>(1, triangles)),
+                    static_cast<double>(discrete_bytes) / static_cast<double>(std::max<size_t>(1, triangles))));
+}
+
+/// Traces the same rays both ways.
+class Race {
+ public:
+  Race(const Tracer& tracer, RaySet set) : tracer_(tracer), set_(std::move(set)), hits_(set_.rays.size()) {}
+
+  double per_ray() const { return 1e9 / static_cast<double>(std::max<size_t>(1, set_.rays.size())); }
+
+  /// together: rays of a packet; 1: one by one.
+  void trace(size_t per_pixel, size_t together) {
+    for (size_t first = 0; first < set_.rays.size(); first += per_pixel)
+      for (size_t i = first; i < first + per_pixel; i += together)
+        if (together == 1)
+          tracer_.trace(set_.rays[i], Visibility::visible, workspace_);
+        else
+          tracer_.trace_packet(std::span(set_.rays).subspan(i, std::min(together, first + per_pixel - i)),
+                               Visibility::visible, workspace_);
+  }
+  void intersect(const DiscreteScene& scene) { scene.intersect(set_.rays, set_.times, hits_); }
+  void intersect_singly(const DiscreteScene& scene) {
+    for (size_t i = 0; i < set_.rays.size(); ++i) hits_[i] = scene.intersect(set_.rays[i], set_.times[i]);
+  }
+  TraceCounters counters() const { return workspace_.counters(); }
+  void forget_counters() { workspace_ = {}; }
+
+ private:
+  const Tracer& tracer_;
+  RaySet set_;
+  std::vector<std::optional<DiscreteHit>> hits_;
+  Tracer::Workspace workspace_;
+};
+
+/// The scene, among those of all keys, through which `intersect` goes fastest: by the least of some interleaved tries.
+size_t fastest(const std::vector<DiscreteScene>& scenes, const std::function<void(const DiscreteScene&)>& intersect) {
+  constexpr int kTries = 4;
+  std::vector<double> least(scenes.size(), INFINITY);
+  for (int i = 0; i < kTries; ++i)
+    for (size_t s = 0; s < scenes.size(); ++s)
+      least[s] = std::min(least[s], seconds_of(processor_seconds, [&] { intersect(scenes[s]); }));
+  return static_cast<size_t>(std::min_element(least.begin(), least.end()) - least.begin());
+}
+
+/// Interleaved times per ray, in nanoseconds, of the time-continuous rays and (not for --tc-only) the discrete ones.
+template <class Trace, class Intersect>
+void race_and_report(const std::string& name, int rays, const Options& options, double per_ray, const Trace& trace,
+                     const Intersect& intersect, Rows& rows) {
+  std::vector<Measurement> both{[&] { return seconds_of(processor_seconds, trace); }};
+  if (!options.tc_only) both.push_back([&] { return seconds_of(processor_seconds, intersect); });
+  const auto times = interleave(options.rounds, both);
+  rows.add(name + "tc_ns", rays, times[0], per_ray);
+  if (options.tc_only) return;
+  rows.add(name + "discrete_ns", rays, times[1], per_ray);
+  std::vector<double> ratios;
+  for (size_t i = 0; i < times[0].size(); ++i) ratios.push_back(times[0][i] / times[1][i]);
+  const study::Estimate ratio = study::estimate_of_ratios(ratios);
+  print(fmt::format("{}{} rays per pixel: tc {:.0f} ns, discrete {:.0f} ns, ratio {:.2f} ({:.2f} to {:.2f})", name,
+                    rays, study::median(times[0]) * per_ray, study::median(times[1]) * per_ray, ratio.median, ratio.low,
+                    ratio.high));
+}
+
+void measure_rays(const Shot& shot, const Options& options, Rows& rows) {
+  const Tracer tracer(shot.meshes, tracer_options(options));
+  const bool moves = std::any_of(shot.meshes.begin(), shot.meshes.end(), [](const Mesh& m) { return !m.is_static(); });
+  std::vector<int> keys = options.keys;
+  if (!moves) keys.resize(1);
+  if (options.tc_only) keys.clear();
+  std::vector<DiscreteScene> scenes;
+  for (const int k : keys) scenes.push_back(discrete_scene(shot, k));
+
+  Race coherent(tracer, camera_rays(shot.projection, 4, options.rays));
+  Race incoherent(tracer, incoherent_rays(shot.meshes, options.incoherent));
+  size_t best = 0, best_incoherent = 0;
+  if (!scenes.empty()) {
+    best = fastest(scenes, [&](const DiscreteScene& s) { coherent.intersect(s); });
+    best_incoherent = fastest(scenes, [&](const DiscreteScene& s) { incoherent.intersect_singly(s); });
+    rows.add("best_keys", keys[best]);
+    rows.add("best_keys_incoherent", keys[best_incoherent]);
+    rows.add("bytes_discrete_best", static_cast<double>(scenes[best].memory_bytes()));
+    print(fmt::format("fastest discrete rays: at least {} keys, incoherent {}", keys[best], keys[best_incoherent]));
+  }
+  // Which packets an integrator would take.
+  ShotParts parts(shot);
+  const PixelContext context{CameraRays(shot.projection), Sampler(SamplerKind::owen_sobol, 1, 0),
+                             PixelFilter(FilterKind::box), parts.shader(ShadingKind::normal, false, 0, 0)};
+  const PacketChoice packets = choose_packets(context, shot.projection, tracer);
+  for (const int n : options.rays_per_pixel) {
+    Race race(tracer, camera_rays(shot.projection, n, options.rays));
+    const size_t per_pixel = static_cast<size_t>(n);
+    const size_t together = options.single ? 1 : std::min<size_t>(packets.size(static_cast<uint32_t>(n)), per_pixel);
+    const auto trace = [&] { race.trace(per_pixel, together); };
+    const auto intersect = [&] { race.intersect(scenes[best]); };
+    trace();  // warms up
+    race.forget_counters();
+    race_and_report("", n, options, race.per_ray(), trace, intersect, rows);
+    rows.add("packet", n, 0, static_cast<double>(together));
+    const TraceCounters c = race.counters();
+    const auto mean = [&](uint64_t sum) { return static_cast<double>(sum) / static_cast<double>(c.rays); };
+    rows.add("nodes", n, 0, mean(c.nodes));
+    rows.add("tests", n, 0, mean(c.triangles));
+    rows.add("root_solves", n, 0, mean(c.root_solves));
+    rows.add("hits", n, 0, mean(c.hits));
+    rows.add("segments", n, 0, mean(c.segments));
+    print(
+        fmt::format("    packets of {}; {:.1f} nodes, {:.1f} triangles, {:.1f} root solves, {:.1f} hits, {:.2f} "
+                    "segments per time-continuous ray",
+                    together, mean(c.nodes), mean(c.triangles), mean(c.root_solves), mean(c.hits), mean(c.segments)));
+  }
+  if (options.incoherent == 0) return;
+  const auto trace = [&] { incoherent.trace(1, 1); };
+  trace();
+  race_and_report(
+      "incoherent_", 1, options, incoherent.per_ray(), trace,
+      [&] { incoherent.intersect_singly(scenes[best_incoherent]); }, rows);
+}
 
 int run(int argc, char** argv) {
   CLI::App app("What a time-continuous ray costs beside a discrete one");
-  std::vector<std::string> scenes;
-  std::string size = "960x540", instruction_set, shutter;
-  std::vector<int> rays_per_pixel{1, 4, 16};
-  size_t wanted = 200000;
-  int rounds = 5;
-  bool discrete_wanted = true;
-  int build_threads = 1, builds = 1;
-  app.add_option("scene", scenes)->required();
-  app.add_option("--size", size);
-  app.add_option("--rays-per-pixel", rays_per_pixel)->delimiter(',');
-  app.add_option("--rays", wanted);
-  app.add_option("--rounds", rounds);
-  app.add_option("--instruction-set", instruction_set);
-  app.add_option("--shutter", shutter);
-  app.add_option("--threads", build_threads, "For building; rays are traced by one thread");
-  app.add_option("--builds", builds, "Build so often, alternating, and print the median");
-  bool single = false;
-  app.add_flag("--single", single, "No packets");
-  app.add_flag("!--tc-only", discrete_wanted);
+  const ShotChoice choice(app, "960x540");
+  Options options;
+  app.add_option("--rays-per-pixel", options.rays_per_pixel)->delimiter(',');
+  app.add_option("--keys", options.keys, "Motion keys to give Embree at least; 0: the shot's own")->delimiter(',');
+  app.add_option("--rays", options.rays, "About how many, in tiles spread over the picture");
+  app.add_option("--incoherent", options.incoherent, "How many of those; 0: none");
+  app.add_option("--rounds", options.rounds)->check(CLI::Range(1, 1000));
+  app.add_option("--build-rounds", options.build_rounds)->check(CLI::Range(1, 1000));
+  app.add_option("--instruction-set", options.instruction_set);
+  app.add_option("--csv", options.csv, "The file to write; standard output, if not given");
+  app.add_flag("--single", options.single, "No packets");
+  app.add_flag("--tc-only", options.tc_only);
   CLI11_PARSE(app, argc, argv);
 
-  const auto scene = load_scene(scenes);
-  ShotOptions shot_options;
-  if (std::sscanf(size.c_str(), "%dx%d", &shot_options.width, &shot_options.height) != 2)
-    throw Error(ErrorCode::bad_usage, "--size", "give it as WIDTHxHEIGHT");
-  double open = 0, close = 0;
-  if (!shutter.empty()) {
-    if (std::sscanf(shutter.c_str(), "%lf,%lf", &open, &close) != 2)
-      throw Error(ErrorCode::bad_usage, "--shutter", "give it as OPEN,CLOSE");
-    shot_options.shutter = {open, close};
-  }
-  const Shot shot = make_shot(*scene, shot_options);
-  for (const std::string& note : shot.notes) fmt::print("{}\n", note);
-  size_t triangles = 0;
-  for (const Mesh& mesh : shot.meshes) triangles += mesh.triangles.size();
-
-  TracerOptions options;
-  options.precision = Precision::fast;
-  if (!instruction_set.empty()) options.instruction_set = parse_instruction_set(instruction_set);
-  std::optional<Tracer> built_tracer;
-  std::optional<DiscreteScene> built_discrete;
-  BuildTimes tracer_builds, discrete_builds;
-  std::optional<ThreadLimit> limit(build_threads);
-  for (int build = 0; build < std::max(1, builds); ++build) {
-    built_tracer.reset();
-    tracer_builds.measure([&] { built_tracer.emplace(shot.meshes, options); });
-    built_discrete.reset();
-    discrete_builds.measure([&] {
-      built_discrete.emplace(discrete_wanted ? std::span<const Mesh>(shot.meshes) : std::span<const Mesh>());
-    });
-  }
-  const Tracer& tracer = *built_tracer;
-  const DiscreteScene& discrete = *built_discrete;
-  fmt::print("{} triangles, {}; threads for building: {}\n", triangles, to_string(tracer.instruction_set()),
-             build_threads);
-  fmt::print("build: tc {:.2f} s, discrete {:.2f} s, ratio {:.2f}\n", median(tracer_builds.seconds),
-             median(discrete_builds.seconds), median(tracer_builds.seconds) / median(discrete_builds.seconds));
-  fmt::print("processor time: tc {:.2f} s, discrete {:.2f} s, ratio {:.2f}\n", median(tracer_builds.processor_seconds),
-             median(discrete_builds.processor_seconds),
-             median(tracer_builds.processor_seconds) / median(discrete_builds.processor_seconds));
-  limit.emplace(1);
-  const double count = static_cast<double>(std::max<size_t>(1, triangles));
-  fmt::print("bytes per triangle: tc {:.0f}, discrete {:.0f}\n", static_cast<double>(tracer.memory_bytes()) / count,
-             static_cast<double>(discrete.memory_bytes()) / count);
-
-  for (const int n : rays_per_pixel) {
-    const std::vector<Ray> rays = camera_rays(shot.projection, n, wanted);
-    std::vector<float> times;
-    std::mt19937 random(2);
-    for (size_t i = 0; i < rays.size(); ++i) times.push_back(std::uniform_real_distribution<float>(0, 1)(random));
-    std::vector<std::optional<DiscreteHit>> hits(rays.size());
-    std::vector<double> tc_times, discrete_times, ratios;
-    const double per_ray = 1e9 / static_cast<double>(rays.size());
-    TraceCounters counters;
-    for (int round = 0; round < rounds; ++round) {
-      Tracer::Workspace workspace;
-      Clock::time_point start;
-      const auto trace_all = [&] {
-        start = Clock::now();
-        // Rays of one pixel go together, as an integrator would trace them.
-        const size_t most = std::min(Tracer::kMaxPacket, static_cast<size_t>(single ? 1 : n));
-        for (size_t i = 0; i < rays.size(); i += most)
-          if (most > 1)
-            tracer.trace_packet(std::span(rays).subspan(i, std::min(most, rays.size() - i)), Visibility::visible,
-                                workspace);
-          else
-            tracer.trace(rays[i], Visibility::visible, workspace);
-        tc_times.push_back(seconds_since(start) * per_ray);
-      };
-      const auto intersect_all = [&] {
-        start = Clock::now();
-        discrete.intersect(rays, times, hits);
-        discrete_times.push_back(seconds_since(start) * per_ray);
-      };
-      if (round % 2 == 0) {
-        trace_all();
-        intersect_all();
-      } else {
-        intersect_all();
-        trace_all();
-      }
-      ratios.push_back(tc_times.back() / discrete_times.back());
-      counters = workspace.counters();
-    }
-    const double traced = static_cast<double>(counters.rays);
-    const auto mean = [&](uint64_t value) { return static_cast<double>(value) / traced; };
-    fmt::print(
-        "{:2} rays/pixel: tc {:.0f} ns, discrete {:.0f} ns, ratio {:.2f} ({:.2f} to {:.2f}); per tc ray: {:.1f} nodes, "
-        "{:.1f} triangles, {:.1f} root solves, {:.1f} hits, {:.2f} segments\n",
-        n, median(tc_times), median(discrete_times), median(ratios), *std::min_element(ratios.begin(), ratios.end()),
-        *std::max_element(ratios.begin(), ratios.end()), mean(counters.nodes), mean(counters.triangles),
-        mean(counters.root_solves), mean(counters.hits), mean(counters.segments));
-  }
+  const ThreadLimit one_thread(1);
+  Rows rows(options.csv);
+  const Shot shot = choice.make(false);
+  for (const std::string& note : shot.notes) print(note);
+  measure_builds(shot, options, rows);
+  measure_rays(shot, options, rows);
   return 0;
 }
 
 }  // namespace
-}  // namespace kairos
+}  // namespace kairos::bench
 
 int main(int argc, char** argv) {
   try {
-    return kairos::run(argc, argv);
+    return kairos::bench::run(argc, argv);
   } catch (const kairos::Error& error) {
     fmt::print(stderr, "bench_rays: {}\n", error.what());
     return 1;

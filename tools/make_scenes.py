@@ -12,7 +12,8 @@ import os
 import pathlib
 import sys
 
-SCENES = ["foliage", "blades", "wires", "hall", "still", "fan", "glass", "marbles", "bars", "kitchen", "big"]
+SCENES = ["foliage", "blades", "wires", "hall", "still", "fan", "glass", "marbles", "bars", "kitchen", "big", "terrain",
+          "swarm"]
 # What of the folder of third parties' scenes they need.
 NEEDS = {"hall": ["mannequiny"], "fan": ["vintage-fan"], "kitchen": ["bitterli-kitchen"],
          "big": ["bitterli-kitchen", "dutch-ship"]}
@@ -25,6 +26,8 @@ def main():
     parser.add_argument("-o", "--output", type=pathlib.Path, required=True, metavar="DIR")
     parser.add_argument("--scale", type=float, default=1.0, help="how many things there are, relative to usual (%(default)s)")
     parser.add_argument("--spans", type=int, default=1, help="key spans of what deforms (%(default)s)")
+    parser.add_argument("--motion", type=float, default=10.0, metavar="PIXELS",
+                        help="how far things move, in terrain and swarm (%(default)s)")
     third_parties = pathlib.Path(os.environ.get("KAIROS_SCENES", "../shared/scenes"))
     parser.add_argument("--scenes", type=pathlib.Path, default=third_parties, metavar="FOLDER",
                         help="third parties' scenes; $KAIROS_SCENES or %(default)s")
@@ -36,6 +39,8 @@ def main():
         parser.error("--scale: more than 0, at most 1000")
     if not 1 <= options.spans <= 64:
         parser.error("--spans: 1 to 64")
+    if not 0 <= options.motion <= 100000:
+        parser.error("--motion: 0 to 100000")
     for name in SCENES if "all" in options.names else options.names:
         absent = [part for part in NEEDS.get(name, []) if not (options.scenes / part).is_dir()]
         if absent:

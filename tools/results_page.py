@@ -13,9 +13,10 @@ import pathlib
 import shutil
 import sys
 
+import svg_plot
+
 SERIES = [("multi-jitter", "#999999", "multi-jittered discrete"), ("owen-sobol", "#0072b2", "Owen-Sobol' discrete"),
           ("tc", "#d55e00", "time-continuous"), ("mixed", "#cc79a7", "mixed"), ("auto", "#009e73", "auto")]
-WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 520, 300, 44, 40, 24, 12
 
 
 def rows(path):
@@ -23,43 +24,14 @@ def rows(path):
         return list(csv.DictReader(file))
 
 
-def nice_times(low, high):
-    """Powers of ten, and 2 and 5 times these, between two times."""
-    marks = [m * 10.0**e for e in range(-4, 5) for m in (1, 2, 5)]
-    return [m for m in marks if low <= m <= high]
-
-
 def plot(name, curves):
-    points = {s: [(float(c["seconds"]), float(c["psnr"])) for c in curves if c["series"] == s] for s, _, _ in SERIES}
+    points = {s: sorted((float(c["seconds"]), float(c["psnr"])) for c in curves if c["series"] == s) for s, _, _ in SERIES}
     every = [p for series in points.values() for p in series]
     low, high = min(p[0] for p in every), max(p[0] for p in every)
     bottom, top = math.floor(min(p[1] for p in every) / 5) * 5, math.ceil(max(p[1] for p in every) / 5) * 5
-
-    def x(seconds):
-        return LEFT + (WIDTH - LEFT - RIGHT) * math.log(seconds / low) / math.log(high / low)
-
-    def y(psnr):
-        return HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * (psnr - bottom) / (top - bottom)
-
-    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif" font-size="11">',
-           f'<rect width="{WIDTH}" height="{HEIGHT}" fill="#ffffff"/>',
-           f'<text x="{LEFT}" y="15" font-size="12" fill="#222">{name}: PSNR in dB over seconds of rendering, one thread</text>']
-    for psnr in range(bottom, top + 1, 5):
-        out.append(f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y(psnr):.1f}" y2="{y(psnr):.1f}" stroke="#e4e4e4"/>')
-        out.append(f'<text x="{LEFT - 6}" y="{y(psnr) + 4:.1f}" text-anchor="end" fill="#555">{psnr}</text>')
-    for mark in nice_times(low, high):
-        out.append(f'<line x1="{x(mark):.1f}" x2="{x(mark):.1f}" y1="{TOP}" y2="{HEIGHT - BOTTOM}" stroke="#f0f0f0"/>')
-        out.append(f'<text x="{x(mark):.1f}" y="{HEIGHT - BOTTOM + 14}" text-anchor="middle" fill="#555">{mark:g}</text>')
-    for place, (series, colour, label) in enumerate(SERIES):
-        path = sorted(points[series])
-        if not path:
-            continue
-        out.append(f'<polyline fill="none" stroke="{colour}" stroke-width="2" points="' +
-                   " ".join(f"{x(s):.1f},{y(p):.1f}" for s, p in path) + '"/>')
-        out += [f'<circle cx="{x(s):.1f}" cy="{y(p):.1f}" r="3" fill="{colour}"/>' for s, p in path]
-        at = LEFT + place * 96
-        out.append(f'<text x="{at}" y="{HEIGHT - 8}" fill="{colour}">{label.replace(" discrete", "")}</text>')
-    return "\n".join(out + ["</svg>", ""])
+    return svg_plot.lines(f"{name}: PSNR in dB over seconds of rendering, one thread",
+                          [(label.replace(" discrete", ""), colour, False, points[s]) for s, colour, label in SERIES],
+                          svg_plot.marks_of_decades(low, high), range(bottom, top + 1, 5), (low, high), (bottom, top))
 
 
 def gain(comparisons, series, baseline, kind, value):

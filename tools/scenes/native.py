@@ -15,6 +15,18 @@ def packed(numbers):
     return numbers.tobytes()
 
 
+def packed_faces(corners):
+    """Faces of three corners each, as PLY has them: a byte of 3, three integers."""
+    parts, block = [], 3 * 4096
+    for begin in range(0, len(corners), block):
+        some = corners[begin:begin + block]
+        numbers = [3] * (len(some) // 3 * 4)
+        for corner in range(3):
+            numbers[corner + 1::4] = some[corner::3]
+        parts.append(struct.pack("<" + "Biii" * (len(some) // 3), *numbers))
+    return b"".join(parts)
+
+
 class Mesh:
     """Triangles with one position per vertex and key. `smooth`: with a normal per vertex and key, too."""
 
@@ -44,7 +56,7 @@ class Mesh:
             properties += [f"property float n{name}" for name in names]
         lines = ["ply", "format binary_little_endian 1.0", f"element vertex {self.count}", *properties,
                  f"element face {self.triangle_count()}", "property list uchar int vertex_indices", "end_header", ""]
-        faces = b"".join(struct.pack("<Biii", 3, *self.triangles[i:i + 3]) for i in range(0, len(self.triangles), 3))
+        faces = packed_faces(self.triangles)
         files = []
         for key, row in enumerate(self.rows):
             files.append(f"{self.name}_{key}.ply" if len(self.rows) > 1 else f"{self.name}.ply")

@@ -1,0 +1,108 @@
+"""What the benchmark measures: scenes, shots, and how much of everything."""
+
+from dataclasses import dataclass, replace
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is measured."""
+    scale: float = 1.0  # of the scenes, see tools/make_scenes.py
+    rounds: int = 7  # of interleaved measurements
+    rays: int = 60000
+    incoherent: int = 20000
+    build_rounds: int = 3
+    render_rounds: int = 5
+    thread_rounds: int = 5
+    keys: str = "0,3,5,9"
+    shot_size: str = "960x540"
+    large_size: str = "1920x1080"
+    seeds: int = 4
+    study_size: str = "240x135"
+    study_crop: str = "360,600,203,338"  # of shot_size: as many pixels, motion as long as in the whole picture
+    tc_rays: str = "1,4,16"
+    budgets: str = "4,8,16,32,64,128,256"
+    more_budgets: str = "4,8,16,32,64,128,256,512"  # where time-continuous rays are dear
+    reference_spp: int = 2048
+    triangles: tuple = (10**4, 10**5, 10**6, 10**7)
+    motions: tuple = (0, 1, 3, 10, 30, 100, 200, 400)  # pixels
+    spans: tuple = (1, 2, 4, 8, 16)
+    sizes: tuple = ("320x180", "640x360", "960x540", "1920x1080", "3840x2160")
+    left_out: tuple = ()  # names of shots
+    growth_triangles: int = 10**5  # of the scenes in which something else grows
+
+
+FULL = Effort()
+QUICK = replace(FULL, rounds=3, rays=20000, incoherent=4000, build_rounds=1, render_rounds=2, thread_rounds=2, keys="0,3",
+                seeds=2, study_size="64x36", study_crop="448,512,252,288", budgets="4,16,64,256", more_budgets="4,16,64,256",
+                reference_spp=512, triangles=(10**4, 10**5), motions=(1, 10, 100), spans=(1, 4),
+                sizes=("320x180", "960x540"), growth_triangles=10**4,
+                left_out=("kitchen-slow", "kitchen-large", "kitchen-fast"))
+# Says nothing about speed, only that everything runs.
+TINY = replace(QUICK, scale=0.01, rounds=2, rays=500, incoherent=100, render_rounds=2, thread_rounds=2, shot_size="32x18",
+               large_size="64x36", study_size="16x9", study_crop="8,24,4,13", budgets="4,16,64,256", reference_spp=64,
+               triangles=(100, 1000), growth_triangles=100, motions=(1, 10), spans=(1, 2), sizes=("32x18", "64x36"))
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A scene of the benchmark as it is measured."""
+    name: str
+    title: str
+    scene: str  # file below the folder of scenes; its folder is what make_scenes.py calls it
+    options: tuple = ()
+    large: bool = False  # the larger picture
+    cropped: bool = False  # studied in a crop of the whole picture, not small
+    builds: bool = True  # with one thread and two: not for the same triangles again
+    dear: bool = False  # time-continuous rays are: discrete ones are measured with more samples
+
+    def maker(self):
+        return self.scene.split("/")[0]
+
+
+SHOTS = [
+    Shot("kitchen-slow", "kitchen, camera moves by less than a pixel", "kitchen/slow.pbrt", cropped=True, builds=False),
+    Shot("kitchen", "kitchen, moving camera", "kitchen/scene.pbrt", cropped=True),
+    Shot("kitchen-large", "the same, 1920x1080", "kitchen/scene.pbrt", large=True, builds=False),
+    Shot("kitchen-fast", "kitchen, everything fast", "kitchen/fast.pbrt", cropped=True, builds=False),
+    Shot("hall", "hall, small fast figure", "hall/scene.json", ("--frame", "6"), dear=True),
+    Shot("still", "hall, nothing moves", "still/scene.json", dear=True),
+    Shot("foliage", "foliage", "foliage/scene.json"),
+    Shot("blades", "blades", "blades/scene.json"),
+    Shot("wires", "wires", "wires/scene.json"),
+]
+TITLES = {shot.name: shot.title for shot in SHOTS}
+
+
+@dataclass(frozen=True)
+class Growth:
+    """A point of a curve along which one thing grows."""
+    axis: str  # triangles, resolution, motion, spans
+    series: str  # the scene's name
+    value: str
+    size: str
+    triangles: int = 0  # 0: a scene of SHOTS, as it is
+    motion: float = 10.0
+    spans: int = 1
+
+    def name(self):
+        return f"{self.axis}/{self.series}/{self.value}"
+
+
+# Triangles of the generated scenes at --scale 1.
+TRIANGLES_OF_SCALE_ONE = 100000
+# With more, Embree's trees of more keys do not fit: only the shot's own keys are tried.
+MOST_TRIANGLES_FOR_KEYS = 2 * 10**6
+
+
+def growth_points(effort):
+    points = []
+    for series in ("terrain", "swarm"):
+        points += [Growth("triangles", series, str(n), effort.shot_size, n) for n in effort.triangles]
+    for series in ("terrain", "kitchen"):
+        points += [Growth("resolution", series, size, size, effort.growth_triangles if series == "terrain" else 0)
+                   for size in effort.sizes]
+    for series in ("terrain", "swarm"):
+        points += [Growth("motion", series, f"{m:g}", effort.shot_size, effort.growth_triangles, m) for m in effort.motions]
+        points += [Growth("spans", series, str(s), effort.shot_size, effort.growth_triangles, 40.0, s)
+                   for s in effort.spans]
+    return points
