@@ -19,7 +19,7 @@ def verdict(value, aim, moonshot, smaller):
 
 
 def rows_of(rays, renders, gains):
-    """(what, aim, moonshot, is smaller better, value)"""
+    """(what, aim, moonshot, is smaller better, value); those of dB say so."""
     ratio = lambda point, n: rays.ratio(point, "tc_ns", "discrete_ns", n)  # noqa: E731
     tc = lambda point, n: gains.gain(point, "tc", "owen-sobol", "tc_rays", n)  # noqa: E731
     auto = lambda point, b: gains.gain(point, "auto", "owen-sobol", "spp", b)  # noqa: E731
@@ -34,9 +34,9 @@ def rows_of(rays, renders, gains):
                  (f"dB over Owen-Sobol', {point}, time of 16 rays", 7, 10, False, tc(point, 16))]
     for point in ("foliage", "blades"):
         rows += [(f"dB over Owen-Sobol', {point}, time of {n} rays", 8, 15, False, tc(point, n)) for n in (4, 16)]
-    rows += [("hall with a figure, auto, time of 64 samples", 1.5, 4, False, auto("hall", 64)),
-             ("hall with a figure, auto, time of 128 samples", 2.5, 6, False, auto("hall", 128))]
-    rows += [(f"auto, {point}, the least of 4 to 256 samples", -0.3, 0, False,
+    rows += [("dB, hall with a figure, auto, time of 64 samples", 1.5, 4, False, auto("hall", 64)),
+             ("dB, hall with a figure, auto, time of 128 samples", 2.5, 6, False, auto("hall", 128))]
+    rows += [(f"dB, auto, {point}, the least of 4 to 256 samples", -0.3, 0, False,
               least([auto(point, b) for b in (4, 8, 16, 32, 64, 128, 256)])) for point in gains.points]
     rows.append(("two threads over one, rendering with tc, over all scenes", 1.9, 2, False,
                  pooled([renders.ratio(p, "render_tc_1_s", "render_tc_2_s", n) for p in renders.points
@@ -48,6 +48,6 @@ def aims_table(rays, renders, gains, table):
     rows = []
     for what, aim, moonshot, smaller, value in rows_of(rays, renders, gains):
         sign = "<=" if smaller else ">="
-        rows.append([what, f"{sign} {aim:g}", f"{moonshot:g}", write_estimate(value, 2, not smaller),
+        rows.append([what, f"{sign} {aim:g}", f"{moonshot:g}", write_estimate(value, 2, "dB" in what),
                      verdict(value, aim, moonshot, smaller)])
     return table(["", "aim", "moonshot", "measured", ""], rows)

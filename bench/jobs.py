@@ -4,6 +4,7 @@ import csv
 import hashlib
 import json
 import pathlib
+import resource
 import shlex
 import subprocess
 import sys
@@ -12,6 +13,12 @@ import time
 
 def say(text):
     print(text, file=sys.stderr, flush=True)
+
+
+def processor_seconds():
+    """Of all programs run so far."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 class Jobs:
@@ -60,11 +67,11 @@ class Jobs:
         return result
 
     def call(self, what, words):
-        start = time.monotonic()
+        start, processor = time.monotonic(), processor_seconds()
         done = subprocess.run(words, stderr=subprocess.PIPE, text=True)
         if done.returncode != 0:
             sys.exit(f"{what}: status {done.returncode} from {shlex.join(words)}\n{done.stderr}")
-        say(f"{what}: {time.monotonic() - start:.1f} s")
+        say(f"{what}: {time.monotonic() - start:.1f} s ({processor_seconds() - processor:.1f} of the processor's)")
 
     def leave_out(self, what, why):
         self.left_out.append(f"{what} ({why})")

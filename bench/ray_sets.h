@@ -21,19 +21,36 @@ struct RaySet {
   std::vector<float> times;  ///< of each as a discrete ray
 };
 
-/// Sample points of a picture, pixel by pixel in tiles, as an integrator takes them; only so many tiles, spread evenly
-/// over the picture, as give about `wanted` rays.
-inline RaySet camera_rays(const Projection& projection, int rays_per_pixel, size_t wanted) {
+/// Upper left corners of square tiles, at most `wanted`, that lie evenly over the picture, in rows; all of them where
+/// there are no more.
+inline std::vector<std::array<int, 2>> tiles_of(const Projection& projection, int side, uint32_t wanted) {
+  const int columns = (projection.width + side - 1) / side, rows = (projection.height + side - 1) / side;
+  std::vector<std::array<int, 2>> tiles;  // row, column
+  if (static_cast<int64_t>(columns) * rows <= wanted) {
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns; ++column) tiles.push_back({row, column});
+  } else {
+    const Sampler places(SamplerKind::owen_sobol, std::max(1u, wanted), 0);
+    for (uint32_t i = 0; i < places.count(); ++i) {
+      const SamplePoint place = places.point(places.pixel(0, 0), i);
+      tiles.push_back({static_cast<int>(place.y * static_cast<float>(rows)),
+                       static_cast<int>(place.x * static_cast<float>(columns))});
+    }
+    std::sort(tiles.begin(), tiles.end());
+    tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
+  }
+  for (auto& tile : tiles) tile = {tile[1] * side, tile[0] * side};
+  return tiles;
+}
+
+/// Sample points of the pixels of some tiles, pixel by pixel, as an integrator takes them. The same pixels for any
+/// number of rays.
+inline RaySet camera_rays(const Projection& projection, int rays_per_pixel, uint32_t tiles) {
   constexpr int kTile = 16;
-  const int columns = (projection.width + kTile - 1) / kTile, rows = (projection.height + kTile - 1) / kTile;
-  const size_t tiles = static_cast<size_t>(columns) * static_cast<size_t>(rows);
-  const size_t rays_per_tile = static_cast<size_t>(kTile * kTile * rays_per_pixel);
-  const double stride = std::max(1.0, static_cast<double>(tiles * rays_per_tile) / static_cast<double>(wanted));
   const CameraRays camera(projection);
   const Sampler sampler(SamplerKind::owen_sobol, static_cast<uint32_t>(rays_per_pixel), 0);
   RaySet set;
-  for (double place = 0; place < static_cast<double>(tiles); place += stride) {
-    const int tile = static_cast<int>(place), x0 = tile % columns * kTile, y0 = tile / columns * kTile;
+  for (const auto& [x0, y0] : tiles_of(projection, kTile, tiles))
     for (int y = y0; y < std::min(y0 + kTile, projection.height); ++y)
       for (int x = x0; x < std::min(x0 + kTile, projection.width); ++x) {
         const Sampler::Pixel pixel = sampler.pixel(x, y);
@@ -43,7 +60,6 @@ inline RaySet camera_rays(const Projection& projection, int rays_per_pixel, size
           set.times.push_back(point.time);
         }
       }
-  }
   return set;
 }
 

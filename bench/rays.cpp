@@ -3,12 +3,12 @@
 //
 // usage: bench_rays SCENE... [options below] [--csv FILE]
 //
-// Measures, for the CSV file: build_tc_s, build_discrete_s (each round; the shot's own keys), bytes_tc, bytes_discrete,
-// bytes_discrete_best, triangles, moving_triangles; for each number of camera rays per pixel tc_ns and discrete_ns per
-// ray, packet (how many of them go together), and for one time-continuous ray nodes, tests (of triangles), root_solves,
-// hits and segments; incoherent_tc_ns and incoherent_discrete_ns for single rays that each go their own way;
-// best_keys and best_keys_incoherent: how many motion keys of Embree's (--keys) were fastest, and so are meant by
-// "discrete".
+// Measures, for the CSV file: build_tc_s, build_discrete_s (each round; the shot's own keys), bytes_tc, bytes_discrete
+// (of the first of --keys), bytes_discrete_best, triangles, moving_triangles; for each number of camera rays per pixel
+// tc_ns and discrete_ns per ray, packet (how many of them go together), and for one time-continuous ray nodes, tests
+// (of triangles), root_solves, hits and segments; incoherent_tc_ns and incoherent_discrete_ns for single rays that each
+// go their own way; best_keys and best_keys_incoherent: how many motion keys of Embree's (--keys) were fastest, and so
+// are meant by "discrete".
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -31,7 +31,8 @@ namespace {
 
 struct Options {
   std::vector<int> rays_per_pixel{1, 4, 16}, keys{0, 3, 5, 9};
-  size_t rays = 100000, incoherent = 20000;
+  uint32_t tiles = 64;
+  size_t incoherent = 20000;
   int rounds = 5, build_rounds = 3;
   std::string instruction_set, csv;
   bool single = false, tc_only = false;
@@ -55,6 +56,7 @@ DiscreteScene discrete_scene(const Shot& shot, int keys) {
   return DiscreteScene(shot.meshes, options);
 }
 
+/// Triangles, and seconds of building.
 void measure_builds(const Shot& shot, const Options& options, Rows& rows) {
   size_t triangles = 0, moving = 0;
   for (const Mesh& mesh : shot.meshes) {
@@ -63,15 +65,16 @@ void measure_builds(const Shot& shot, const Options& options, Rows& rows) {
   }
   rows.add("triangles", static_cast<double>(triangles));
   rows.add("moving_triangles", static_cast<double>(moving));
-  size_t tc_bytes = 0, discrete_bytes = 0;
+  print(fmt::format("{} triangles, {} of them moving", triangles, moving));
   std::vector<double> tc, discrete;
+  size_t bytes = 0;  // so that nobody leaves out building what is not used
   const auto build_tc = [&] {
     tc.push_back(
-        seconds_of(processor_seconds, [&] { tc_bytes = Tracer(shot.meshes, tracer_options(options)).memory_bytes(); }));
+        seconds_of(processor_seconds, [&] { bytes += Tracer(shot.meshes, tracer_options(options)).memory_bytes(); }));
   };
   const auto build_discrete = [&] {
     if (options.tc_only) return;
-    discrete.push_back(seconds_of(processor_seconds, [&] { discrete_bytes = discrete_scene(shot, 0).memory_bytes(); }));
+    discrete.push_back(seconds_of(processor_seconds, [&] { bytes += discrete_scene(shot, 0).memory_bytes(); }));
   };
   for (int round = 0; round < options.build_rounds; ++round) {  // A B, B A
     if (round % 2 == 0) build_tc();
@@ -80,11 +83,8 @@ void measure_builds(const Shot& shot, const Options& options, Rows& rows) {
   }
   rows.add("build_tc_s", 0, tc);
   rows.add("build_discrete_s", 0, discrete);
-  rows.add("bytes_tc", static_cast<double>(tc_bytes));
-  if (!options.tc_only) rows.add("bytes_discrete", static_cast<double>(discrete_bytes));
-  print(fmt::format("{} triangles, {} of them moving; bytes per triangle: tc {:.0f}, discrete {:.0f}", triangles,
-                    moving, static_cast<double>(tc_bytes) / static_cast<double>(std::max<size_t>(1, triangles)),
-                    static_cast<double>(discrete_bytes) / static_cast<double>(std::max<size_t>(1, triangles))));
+  if (bytes > 0 && !discrete.empty())
+    print(fmt::format("building: tc {:.2f} s, discrete {:.2f} s", study::median(tc), study::median(discrete)));
 }
 
 /// Traces the same rays both ways.
@@ -152,10 +152,11 @@ void measure_rays(const Shot& shot, const Options& options, Rows& rows) {
   std::vector<int> keys = options.keys;
   if (!moves) keys.resize(1);
   if (options.tc_only) keys.clear();
+  rows.add("bytes_tc", static_cast<double>(tracer.memory_bytes()));
   std::vector<DiscreteScene> scenes;
   for (const int k : keys) scenes.push_back(discrete_scene(shot, k));
 
-  Race coherent(tracer, camera_rays(shot.projection, 4, options.rays));
+  Race coherent(tracer, camera_rays(shot.projection, 4, options.tiles));
   Race incoherent(tracer, incoherent_rays(shot.meshes, options.incoherent));
   size_t best = 0, best_incoherent = 0;
   if (!scenes.empty()) {
@@ -163,6 +164,7 @@ void measure_rays(const Shot& shot, const Options& options, Rows& rows) {
     best_incoherent = fastest(scenes, [&](const DiscreteScene& s) { incoherent.intersect_singly(s); });
     rows.add("best_keys", keys[best]);
     rows.add("best_keys_incoherent", keys[best_incoherent]);
+    rows.add("bytes_discrete", static_cast<double>(scenes.front().memory_bytes()));
     rows.add("bytes_discrete_best", static_cast<double>(scenes[best].memory_bytes()));
     print(fmt::format("fastest discrete rays: at least {} keys, incoherent {}", keys[best], keys[best_incoherent]));
   }
@@ -172,7 +174,7 @@ void measure_rays(const Shot& shot, const Options& options, Rows& rows) {
                              PixelFilter(FilterKind::box), parts.shader(ShadingKind::normal, false, 0, 0)};
   const PacketChoice packets = choose_packets(context, shot.projection, tracer);
   for (const int n : options.rays_per_pixel) {
-    Race race(tracer, camera_rays(shot.projection, n, options.rays));
+    Race race(tracer, camera_rays(shot.projection, n, options.tiles));
     const size_t per_pixel = static_cast<size_t>(n);
     const size_t together = options.single ? 1 : std::min<size_t>(packets.size(static_cast<uint32_t>(n)), per_pixel);
     const auto trace = [&] { race.trace(per_pixel, together); };
@@ -206,11 +208,11 @@ int run(int argc, char** argv) {
   const ShotChoice choice(app, "960x540");
   Options options;
   app.add_option("--rays-per-pixel", options.rays_per_pixel)->delimiter(',');
-  app.add_option("--keys", options.keys, "Motion keys to give Embree at least; 0: the shot's own")->delimiter(',');
-  app.add_option("--rays", options.rays, "About how many, in tiles spread over the picture");
+  app.add_option("--keys", options.keys, "Motion keys to give Embree at least; 0: those of the shot")->delimiter(',');
+  app.add_option("--tiles", options.tiles, "How many of 16x16 pixels are traced, spread over the picture");
   app.add_option("--incoherent", options.incoherent, "How many of those; 0: none");
   app.add_option("--rounds", options.rounds)->check(CLI::Range(1, 1000));
-  app.add_option("--build-rounds", options.build_rounds)->check(CLI::Range(1, 1000));
+  app.add_option("--build-rounds", options.build_rounds, "0: building is not measured")->check(CLI::Range(0, 1000));
   app.add_option("--instruction-set", options.instruction_set);
   app.add_option("--csv", options.csv, "The file to write; standard output, if not given");
   app.add_flag("--single", options.single, "No packets");

@@ -30,7 +30,7 @@ namespace {
 
 struct Options {
   std::vector<int> tc_rays{1, 4, 16}, keys{0, 3, 5, 9};
-  int spp = 64, bands = 3, band_height = 4, rounds = 3, thread_rounds = 3, build_rounds = 3;
+  int spp = 16, bands = 6, band_height = 1, rounds = 3, thread_rounds = 3, build_rounds = 3;
   std::string csv;
 };
 

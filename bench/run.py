@@ -81,8 +81,8 @@ class Benchmark:
 
     def ray_options(self, keys=None, build_rounds=None):
         e = self.effort
-        return ["--rays", e.rays, "--incoherent", e.incoherent, "--rounds", e.rounds, "--build-rounds",
-                build_rounds or e.build_rounds, "--keys", keys or e.keys]
+        return ["--tiles", e.tiles, "--incoherent", e.incoherent, "--rounds", e.rounds, "--build-rounds",
+                e.build_rounds if build_rounds is None else build_rounds, "--keys", keys or e.keys]
 
     def rays(self):
         results = []
@@ -143,8 +143,10 @@ class Benchmark:
                     self.jobs.leave_out(f"growth: {point.name()}", f"needs third parties' scenes in {self.options.scenes}")
                     continue
                 scene = self.scene_digest(path)
-            big = point.triangles > plan.MOST_TRIANGLES_FOR_KEYS
-            command = ["bench_rays", path, "--size", point.size, *self.ray_options(*(("0", 1) if big else ()))]
+            special = () if made else (plan.KEYS_OF_KITCHEN, 0)
+            if point.triangles > plan.MOST_TRIANGLES_FOR_KEYS:
+                special = ("0", 1)
+            command = ["bench_rays", path, "--size", point.size, *self.ray_options(*special)]
             result = self.jobs.raw / "growth" / (point.name().replace("/", "_") + ".csv")
             if made and not self.jobs.is_done(result, self.jobs.stamp(command, scene)):
                 make_scene(made, point.series, arguments, self.options)

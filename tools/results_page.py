@@ -13,7 +13,8 @@ import pathlib
 import shutil
 import sys
 
-import svg_plot
+sys.dont_write_bytecode = True
+import svg_plot  # noqa: E402
 
 SERIES = [("multi-jitter", "#999999", "multi-jittered discrete"), ("owen-sobol", "#0072b2", "Owen-Sobol' discrete"),
           ("tc", "#d55e00", "time-continuous"), ("mixed", "#cc79a7", "mixed"), ("auto", "#009e73", "auto")]

@@ -77,7 +77,7 @@ def lines(title, series, x_marks, y_marks, x_range, y_range, log_x=True, log_y=F
         out.append(f'<polyline fill="none" stroke="{colour}" stroke-width="2"{dash} points="' +
                    " ".join(f"{x(a):.1f},{y(b):.1f}" for a, b in points) + '"/>')
         out += [f'<circle cx="{x(a):.1f}" cy="{y(b):.1f}" r="3" fill="{colour}"/>' for a, b in points]
-    out += legend([(label, colour) for label, colour, _, points in series if points])
+    out += legend([(label, colour) for label, colour, _, points in series if points and label])
     return "\n".join(out + ["</svg>", ""])
 
 
