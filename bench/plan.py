@@ -12,13 +12,14 @@ class Effort:
     incoherent: int = 20000
     build_rounds: int = 3
     render_rounds: int = 5
+    bands: int = 6  # rows of pixels that are rendered
     thread_rounds: int = 5
     keys: str = "0,3,5,9"
     shot_size: str = "960x540"
     large_size: str = "1920x1080"
     seeds: int = 4
-    study_size: str = "240x135"
-    study_crop: str = "360,600,203,338"  # of shot_size: as many pixels, motion as long as in the whole picture
+    study_size: str = "192x108"
+    study_crop: str = "296,488,276,384"  # of shot_size: as many pixels; motion as long as in the whole
     tc_rays: str = "1,4,16"
     budgets: str = "4,8,16,32,64,128,256"
     more_budgets: str = "4,8,16,32,64,128,256,512"  # where time-continuous rays are dear
@@ -32,8 +33,9 @@ class Effort:
 
 
 FULL = Effort()
-QUICK = replace(FULL, rounds=3, tiles=32, incoherent=4000, build_rounds=1, render_rounds=2, thread_rounds=2, keys="0,3",
-                seeds=2, study_size="64x36", study_crop="448,512,252,288", budgets="4,16,64,256", more_budgets="4,16,64,256",
+QUICK = replace(FULL, rounds=3, tiles=32, incoherent=4000, build_rounds=1, render_rounds=2, bands=3, thread_rounds=2,
+                keys="0,3",
+                seeds=2, study_size="64x36", study_crop="368,432,312,348", budgets="4,16,64,256", more_budgets="4,16,64,256",
                 reference_spp=512, triangles=(10**4, 10**5), motions=(1, 10, 100), spans=(1, 4),
                 sizes=("320x180", "960x540"), growth_triangles=10**4,
                 left_out=("kitchen-slow", "kitchen-large", "kitchen-fast"))

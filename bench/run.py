@@ -94,7 +94,7 @@ class Benchmark:
     def renders(self):
         e, results = self.effort, []
         for shot, path in self.shots("renders"):
-            command = ["bench_renders", path, "--size", self.size(shot), *shot.options, "--rounds", e.render_rounds,
+            command = ["bench_renders", path, "--size", self.size(shot), *shot.options, "--rounds", e.render_rounds, "--bands", e.bands,
                        "--thread-rounds", e.thread_rounds, "--build-rounds", e.build_rounds if shot.builds else 0,
                        "--keys", e.keys]
             results.append((shot.name, self.jobs.run("renders", shot.name, command, self.scene_digest(path))))
