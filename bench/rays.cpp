@@ -176,7 +176,8 @@ void measure_rays(const Shot& shot, const Options& options, Rows& rows) {
   for (const int n : options.rays_per_pixel) {
     Race race(tracer, camera_rays(shot.projection, n, options.tiles));
     const size_t per_pixel = static_cast<size_t>(n);
-    const size_t together = options.single ? 1 : std::min<size_t>(packets.size(static_cast<uint32_t>(n)), per_pixel);
+    const bool share = !options.single && packets.together(static_cast<uint32_t>(n));
+    const size_t together = share ? std::min(Tracer::kMaxPacket, per_pixel) : 1;
     const auto trace = [&] { race.trace(per_pixel, together); };
     const auto intersect = [&] { race.intersect(scenes[best]); };
     trace();  // warms up

@@ -159,8 +159,8 @@ class Bench {
     const bool tc = kind == IntegratorKind::tc;
     const Tracer& tracer = parts_.tracer({});
     const DiscreteScene& discrete = parts_.discrete(keys_);
-    const size_t most =
-        tc ? choose_packets(context, shot_.projection, tracer).size(context.sampler.count()) : kRaysPerPoll;
+    const size_t most = tc ? Tracer::kMaxPacket : kRaysPerPoll;
+    const bool together = tc && choose_packets(context, shot_.projection, tracer).together(context.sampler.count());
     std::vector<Ray> rays(static_cast<size_t>(count));
     std::vector<float> times(rays.size());
     std::vector<std::optional<DiscreteHit>> hits(rays.size());
@@ -178,7 +178,7 @@ class Bench {
             for (size_t i = 0; i < rays.size() && trace; i += most) {
               const size_t size = std::min(most, rays.size() - i);
               if (tc)
-                tracer.trace_packet(std::span(rays).subspan(i, size), Visibility::visible, workspace);
+                tracer.trace_packet(std::span(rays).subspan(i, size), Visibility::visible, workspace, {}, together);
               else
                 discrete.intersect(std::span(rays).subspan(i, size), std::span(times).subspan(i, size),
                                    std::span(hits).subspan(i, size));

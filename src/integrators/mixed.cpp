@@ -11,6 +11,7 @@
 
 #include "base/parallel.h"
 #include "discrete/discrete_scene.h"
+#include "integrators/aligned_points.h"
 #include "integrators/allotment.h"
 #include "integrators/contrast.h"
 #include "integrators/discrete_samples.h"
@@ -152,7 +153,8 @@ class MixedIntegrator : public Integrator {
 
    private:
     PixelPlan begin_pixel(int x, int y, const Sampler::Pixel& pixel, Monitor& monitor) {
-      still_layer_.begin_pixel(x, y, pixel);
+      align_ = integrator_.mask_.moves(x, y) ? align_points(integrator_.mask_, x, y) : AlignedPoints();
+      still_layer_.begin_pixel(x, y, pixel, align_);
       if (!integrator_.mask_.moves(x, y)) return {};
       const PixelPlan plan = integrator_.plan(x, y);
       if (plan.tc_rays > 0 && has_still_edge_in_front(x, y, monitor)) return {};
@@ -192,7 +194,7 @@ class MixedIntegrator : public Integrator {
         if (begin % kRaysPerPoll == 0) monitor.poll();
         const uint32_t size = std::min(kMostRays, plan.tc_rays - begin);
         for (uint32_t i = 0; i < size; ++i) {
-          const SamplePoint point = context_.sampler.point(pixel, begin + i);
+          const SamplePoint point = align_(context_.sampler.point(pixel, begin + i));
           batch_[i] = context_.ray(x, y, point);
           times_[i] = point.time;
         }
@@ -300,6 +302,7 @@ class MixedIntegrator : public Integrator {
     std::vector<ShadedSegment> shaded_;  // of all of a pixel's time-continuous rays
     std::vector<RayParts> rays_;
     std::vector<Stretch> stretches_;
+    AlignedPoints align_;  // of the pixel's time-continuous rays
     StillLayer still_layer_;
     DiscreteSamples samples_;
     ContrastSink contrast_;

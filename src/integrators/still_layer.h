@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "integrators/aligned_points.h"
 #include "integrators/discrete_samples.h"
 #include "integrators/integrator.h"
 
@@ -33,10 +34,12 @@ class StillLayer {
  public:
   StillLayer(const PixelContext& context, const DiscreteScene& scene) : context_(context), scene_(scene) {}
 
-  void begin_pixel(int x, int y, const Sampler::Pixel& pixel) {
+  /// align: of the pixel's time-continuous rays, among which these are to lie.
+  void begin_pixel(int x, int y, const Sampler::Pixel& pixel, const AlignedPoints& align) {
     x_ = x;
     y_ = y;
     pixel_ = pixel;
+    align_ = align;
     rays_.clear();
     times_.clear();
     hits_.clear();
@@ -87,7 +90,7 @@ class StillLayer {
       monitor.poll();
       const size_t begin = rays_.size(), end = std::min<size_t>(count, begin + kRaysPerPoll);
       for (size_t i = begin; i < end; ++i) {
-        const SamplePoint point = context_.sampler.point(pixel_, static_cast<uint32_t>(i));
+        const SamplePoint point = align_(context_.sampler.point(pixel_, static_cast<uint32_t>(i)));
         rays_.push_back(context_.ray(x_, y_, point));
         times_.push_back(point.time);
       }
@@ -110,6 +113,7 @@ class StillLayer {
   const DiscreteScene& scene_;
   int x_ = 0, y_ = 0;
   Sampler::Pixel pixel_;
+  AlignedPoints align_;
   std::vector<Ray> rays_;
   std::vector<float> times_;
   std::vector<std::optional<DiscreteHit>> hits_;
