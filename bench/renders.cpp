@@ -61,7 +61,7 @@ class Bench {
     const bool moves =
         std::any_of(shot.meshes.begin(), shot.meshes.end(), [](const Mesh& m) { return !m.is_static(); });
     study::Conditions conditions;
-    conditions.crop = high_bands_[bands_.size() / 2];
+    conditions.parts = {high_bands_[bands_.size() / 2]};
     keys_ = moves ? study::time_keys(renderer_, conditions, options.keys, {}).front().keys : options.keys.front();
     rows_.add("best_keys", keys_);
   }

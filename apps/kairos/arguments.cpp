@@ -91,21 +91,6 @@ void add_scene_arguments(CLI::App& app, SceneArguments& out) {
   add_count(app, "--threads", out.threads, 0, 1024, "Threads; 0: as many as the machine has");
 }
 
-void add_crop(CLI::App& app, std::optional<Crop>& out) {
-  app.add_option_function<std::string>(
-         "--crop",
-         [&out](const std::string& text) {
-           constexpr uint64_t kMost = 65536;
-           const auto parts = split("--crop", text, ',', 4, "X0,X1,Y0,Y1");
-           const auto side = [&](size_t i) { return static_cast<int>(parse_count("--crop", parts[i], 0, kMost)); };
-           out = Crop{side(0), side(1), side(2), side(3)};
-           if (out->x0 >= out->x1 || out->y0 >= out->y1)
-             throw CLI::ValidationError("--crop", fmt::format("'{}' is empty; give X0 < X1 and Y0 < Y1", text));
-         },
-         "Pixels to render: X0 to X1 (without it), Y0 to Y1, from the upper left corner")
-      ->type_name("X0,X1,Y0,Y1");
-}
-
 void add_instruction_set(CLI::App& app, std::optional<InstructionSet>& out) {
   app.add_option_function<std::string>(
          "--instruction-set",

@@ -10,7 +10,6 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <kairos/render.h>
 #include <kairos/scene.h>
 #include <kairos/tracer.h>
 
@@ -74,9 +73,6 @@ struct SceneArguments {
   int threads = 0;
 };
 void add_scene_arguments(CLI::App& app, SceneArguments& out);
-
-/// --crop.
-void add_crop(CLI::App& app, std::optional<Crop>& out);
 
 void add_instruction_set(CLI::App& app, std::optional<InstructionSet>& out);
 

@@ -183,7 +183,18 @@ void add_picture_options(CLI::App& app, RenderArguments& out) {
          },
          "Further EXR layers, separated by commas: depth, normal, albedo, coverage, segments, mesh")
       ->type_name("A,B,...");
-  add_crop(app, params.crop);
+  app.add_option_function<std::string>(
+         "--crop",
+         [&params](const std::string& text) {
+           constexpr uint64_t kMost = 65536;
+           const auto parts = split("--crop", text, ',', 4, "X0,X1,Y0,Y1");
+           const auto side = [&](size_t i) { return static_cast<int>(parse_count("--crop", parts[i], 0, kMost)); };
+           params.crop = Crop{side(0), side(1), side(2), side(3)};
+           if (params.crop->x0 >= params.crop->x1 || params.crop->y0 >= params.crop->y1)
+             throw CLI::ValidationError("--crop", fmt::format("'{}' is empty; give X0 < X1 and Y0 < Y1", text));
+         },
+         "Pixels to render: X0 to X1 (without it), Y0 to Y1, from the upper left corner")
+      ->type_name("X0,X1,Y0,Y1");
   add_choice(app, "--filter", params.filter, kFilterNames, "Pixel filter");
 }
 

@@ -163,7 +163,8 @@ void add_study_command(CLI::App& app, Action& chosen, const std::string& command
   command.add_option("-o,--output", options.folder, "The folder to write to; a study begun there is continued")
       ->type_name("DIR")
       ->required();
-  add_crop(command, options.crop);
+  add_count(command, "--rows", options.rows, 0, 65536,
+            "Render only so many rows of pixels, spread evenly over the frame; 0: all");
   add_choices(command, "--shading", options.shadings, kShadingNames, "One study each: normal, flat, whitted");
   add_choices(command, "--methods", options.methods, study::kMethodNames,
               "What is compared; random, multi-jitter and owen-sobol are samplers of qmc");

@@ -32,12 +32,61 @@ RenderParams params_under(const Conditions& conditions, const Setting& setting, 
   params.shading = conditions.shading;
   params.discrete_keys = conditions.keys;
   params.threads = conditions.threads;
-  params.crop = conditions.crop;
   params.seed = seed;
   return params;
 }
 
+/// One picture below the other.
+void append(const Image& below, Image& image) {
+  for (Channel& channel : image.channels) {
+    const std::vector<float>& values = below.find(channel.name)->values;
+    channel.values.insert(channel.values.end(), values.begin(), values.end());
+  }
+  image.height += below.height;
+}
+
+/// What the conditions say is rendered, as one picture, and the sum of its costs.
+Image render_parts(Renderer& renderer, const Conditions& conditions, RenderParams params, RenderStats& stats,
+                   const Progress& progress) {
+  if (conditions.parts.empty()) return renderer.render(params, &stats, progress);
+  Image image;
+  const double count = static_cast<double>(conditions.parts.size());
+  for (size_t part = 0; part < conditions.parts.size(); ++part) {
+    params.crop = conditions.parts[part];
+    RenderStats own;
+    Image below = renderer.render(params, &own, [&](double fraction) {
+      return !progress || progress((static_cast<double>(part) + fraction) / count);
+    });
+    if (part == 0) {
+      image = std::move(below);
+      stats = own;
+      continue;
+    }
+    append(below, image);
+    stats.render_seconds += own.render_seconds;
+    stats.render_cpu_seconds += own.render_cpu_seconds;
+    stats.rays += own.rays;
+    stats.segments += own.segments;
+    stats.shading_samples += own.shading_samples;
+    stats.counters += own.counters;
+  }
+  image.left = image.top = 0;
+  image.frame_width = image.width;
+  image.frame_height = image.height;
+  return image;
+}
+
 }  // namespace
+
+std::vector<kairos::Crop> row_parts(int width, int height, int rows) {
+  std::vector<kairos::Crop> parts;
+  if (rows >= height) return parts;
+  for (int row = 0; row < rows; ++row) {
+    const int y = static_cast<int>((2 * int64_t{row} + 1) * height / (2 * int64_t{rows}));
+    parts.push_back({0, width, y, y + 1});
+  }
+  return parts;
+}
 
 PictureError error_of(const Image& reference, const Image& image, const std::string& place) {
   difference(reference, image, place);  // do they fit each other?
@@ -81,7 +130,7 @@ Measured measure(Renderer& renderer, const Setting& setting, const Conditions& c
   std::vector<double> seconds;
   double sum = 0;
   do {
-    result.image = renderer.render(params, &result.stats, progress);
+    result.image = render_parts(renderer, conditions, params, result.stats, progress);
     seconds.push_back(clock_seconds(result.stats, conditions.clock));
     sum += seconds.back();
   } while (sum < kShortest && seconds.size() < kMostTimes);
@@ -101,8 +150,8 @@ Reference render_reference(Renderer& renderer, const Conditions& conditions, int
     const auto told = [&](double fraction) {
       return !progress || progress((static_cast<double>(half) + fraction) / 2);
     };
-    halves[half] = renderer.render(params_under(all_threads, {Method::owen_sobol, spp, 0, 0}, kReferenceSeeds[half]),
-                                   &stats, told);
+    const RenderParams params = params_under(all_threads, {Method::owen_sobol, spp, 0, 0}, kReferenceSeeds[half]);
+    halves[half] = render_parts(renderer, conditions, params, stats, told);
     result.seconds += stats.render_seconds;
   }
   result.image = halves[0];

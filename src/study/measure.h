@@ -28,8 +28,12 @@ struct Conditions {
   int keys = 0;
   int threads = 1;
   Clock clock = Clock::cpu;
-  std::optional<kairos::Crop> crop{};
+  std::vector<kairos::Crop>
+      parts{};  ///< of the frame, of equal width, that are rendered and measured as one; empty: all of it
 };
+
+/// Rows of a frame, spread evenly over it, as parts; none where that would be all of them, or `rows` is 0.
+std::vector<kairos::Crop> row_parts(int width, int height, int rows);
 
 struct Measured {
   Image image;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -31,8 +30,8 @@ struct StudyOptions {
   std::vector<std::string> scenes;  ///< files; each is an entry of its own
   LoadOptions load;
   ShotOptions shot;
-  std::optional<kairos::Crop> crop;  ///< of each frame, what is rendered; unset: all of it
-  std::string folder;                ///< where everything is written
+  int rows = 0;        ///< of each frame, spread evenly over it, that are rendered; 0 (or more than there are): all
+  std::string folder;  ///< where everything is written
   std::vector<ShadingKind> shadings{ShadingKind::normal};
   std::vector<Method> methods{Method::random, Method::multi_jitter, Method::owen_sobol,
                               Method::tc,     Method::mixed,        Method::automatic};

@@ -26,9 +26,9 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-SceneFacts facts_of(const std::string& name, const Shot& shot, const std::optional<kairos::Crop>& crop, int keys) {
-  const kairos::Crop whole{0, shot.projection.width, 0, shot.projection.height}, shown = crop.value_or(whole);
-  SceneFacts facts{name, shown.x1 - shown.x0, shown.y1 - shown.y0, 0, 0, keys};
+SceneFacts facts_of(const std::string& name, const Shot& shot, size_t parts, int keys) {
+  const int height = parts > 0 ? static_cast<int>(parts) : shot.projection.height;  // a row each
+  SceneFacts facts{name, shot.projection.width, height, 0, 0, keys};
   for (const Mesh& mesh : shot.meshes) {
     facts.triangles += mesh.triangles.size();
     if (!mesh.is_static()) facts.moving_triangles += mesh.triangles.size();
@@ -96,17 +96,18 @@ class Study {
     const Shot shot = make_shot(*scene, options_.shot);
     for (const std::string& warning : shot.warnings) log_(fmt::format("{}: warning: {}", name, warning));
     Renderer renderer(shot);
+    const auto parts = row_parts(shot.projection.width, shot.projection.height, options_.rows);
     if (folder_.find_scene(name) == nullptr)
-      folder_.add(facts_of(name, shot, options_.crop, best_keys(renderer, shot, name)));
-    for (const Entry& entry : entries) measure_entry(renderer, entry);
+      folder_.add(facts_of(name, shot, parts.size(), best_keys(renderer, shot, parts, name)));
+    for (const Entry& entry : entries) measure_entry(renderer, entry, parts);
   }
 
-  int best_keys(Renderer& renderer, const Shot& shot, const std::string& name) {
+  int best_keys(Renderer& renderer, const Shot& shot, const std::vector<kairos::Crop>& parts, const std::string& name) {
     const bool moves =
         std::any_of(shot.meshes.begin(), shot.meshes.end(), [](const Mesh& m) { return !m.is_static(); });
     if (!moves || options_.keys.size() == 1) return options_.keys.front();
     const std::vector<KeysTime> times =
-        time_keys(renderer, {ShadingKind::normal, 0, options_.threads, options_.clock, options_.crop}, options_.keys,
+        time_keys(renderer, {ShadingKind::normal, 0, options_.threads, options_.clock, parts}, options_.keys,
                   progress(name + ": choosing keys", 0));
     std::string list;
     for (const KeysTime& one : times)
@@ -115,9 +116,9 @@ class Study {
     return times.front().keys;
   }
 
-  void measure_entry(Renderer& renderer, const Entry& entry) {
+  void measure_entry(Renderer& renderer, const Entry& entry, const std::vector<kairos::Crop>& parts) {
     const Conditions conditions{entry.shading, folder_.find_scene(entry.scene)->keys, options_.threads, options_.clock,
-                                options_.crop};
+                                parts};
     const Image reference = reference_of(renderer, entry, conditions);
     for (int seed = 1; seed <= options_.seeds; ++seed) {
       // A B, then B A: whatever drifts hits all alike.

@@ -59,7 +59,7 @@ Json parameters(const StudyOptions& o) {
   json["fps"] = o.shot.fps ? Json(*o.shot.fps) : Json();
   json["shutter"] = o.shot.shutter ? Json(*o.shot.shutter) : Json();
   json["size"] = fmt::format("{}x{}", o.shot.width, o.shot.height);
-  json["crop"] = o.crop ? Json({o.crop->x0, o.crop->x1, o.crop->y0, o.crop->y1}) : Json();
+  json["rows"] = o.rows;
   json["motion tolerance"] = o.shot.motion_tolerance;
   json["shading"] = names(kShadingNames, o.shadings);
   json["methods"] = names(kMethodNames, o.methods);
