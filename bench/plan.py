@@ -17,7 +17,7 @@ class Effort:
     keys: str = "0,3,5,9"
     shot_size: str = "960x540"
     large_size: str = "1920x1080"
-    seeds: int = 4
+    seeds: int = 3
     study_size: str = "192x108"
     study_rows: int = 20  # of shot_size, for shots with `rows`: about as many pixels, and motion as long as in the whole
     tc_rays: str = "1,4,16"
@@ -29,6 +29,7 @@ class Effort:
     spans: tuple = (1, 2, 4, 8, 16)
     sizes: tuple = ("320x180", "640x360", "960x540", "1920x1080", "3840x2160")
     left_out: tuple = ()  # names of shots
+    resolution_of: tuple = ("terrain", "kitchen")  # scenes
     growth_triangles: int = 10**5  # of the scenes in which something else grows
 
 
@@ -38,7 +39,7 @@ QUICK = replace(FULL, rounds=3, tiles=32, incoherent=4000, build_rounds=1, rende
                 seeds=2, study_size="64x36", study_rows=4, budgets="4,16,64,256", more_budgets="4,16,64,256",
                 reference_spp=512, triangles=(10**4, 10**5), motions=(1, 10, 100), spans=(1, 4),
                 sizes=("320x180", "960x540"), growth_triangles=10**4,
-                left_out=("kitchen-slow", "kitchen-large", "kitchen-fast"))
+                resolution_of=("terrain",), left_out=("kitchen-slow", "kitchen-large", "kitchen-fast"))
 # Says nothing about speed, only that everything runs.
 TINY = replace(QUICK, scale=0.01, rounds=2, tiles=4, incoherent=100, render_rounds=2, thread_rounds=2, shot_size="32x18",
                large_size="64x36", study_size="16x9", study_rows=4, budgets="4,16,64,256", reference_spp=64,
@@ -102,7 +103,7 @@ def growth_points(effort):
     points = []
     for series in ("terrain", "swarm"):
         points += [Growth("triangles", series, str(n), effort.shot_size, n) for n in effort.triangles]
-    for series in ("terrain", "kitchen"):
+    for series in effort.resolution_of:
         points += [Growth("resolution", series, size, size, effort.growth_triangles if series == "terrain" else 0)
                    for size in effort.sizes]
     for series in ("terrain", "swarm"):
