@@ -135,6 +135,7 @@ TEST(Allotment, SpendsTheBudgetOverThePictureAndGoesByWorth) {
         EXPECT_NEAR(spent / (kSize * kSize * budget), 1, 0.02) << budget << ' ' << speed;
       }
   EXPECT_EQ(allot(256, 0.1, RayPrices{}, 0.5).tc_rays, 0u) << "slow motion is not worth it";
+  EXPECT_EQ(allot(256, 50, RayPrices{}, 0.5, 100).tc_rays, 0u) << "discrete samples are as good";
   EXPECT_EQ(allot(4, 1000, RayPrices{}, 0.5).tc_rays, 0u) << "too little for one";
   EXPECT_GT(allot(256, 50, RayPrices{}, 0.5).tc_rays, 0u);
 }

@@ -15,6 +15,12 @@
 namespace kairos {
 namespace {
 
+std::vector<PixelLook> looks(std::initializer_list<double> contrasts) {
+  std::vector<PixelLook> result;
+  for (const double contrast : contrasts) result.push_back({contrast, 1});
+  return result;
+}
+
 ShadedSegment seen(Vec3f colour) {
   ShadedSegment segment;
   segment.colour = colour;
@@ -70,7 +76,7 @@ TEST(SampleSpread, CountsArePowersOfTwoWithinTheirBounds) {
     EXPECT_GT(4 * first, budget);
     EXPECT_LE(2 * first, budget);
     EXPECT_LE(most, Sampler::kMaxCount);
-    const SampleSpread spread(first, most, budget, {0, 0, 0, 1e-3, 1});
+    const SampleSpread spread(first, most, budget, looks({0, 0, 0, 1e-3, 1}));
     uint32_t before = first;
     for (const double contrast : {0.0, 1e-12, 1e-6, 1e-4, 1e-2, 0.1, 1.0, 3.0}) {
       const uint32_t count = spread.count(contrast);
@@ -86,26 +92,46 @@ TEST(SampleSpread, CountsArePowersOfTwoWithinTheirBounds) {
 TEST(SampleSpread, GivesEdgesWhatSmoothPixelsSave) {
   // A fifth of the pixels are edges: half of the samples of the others are worth two more budgets to each of these, a
   // little less since they are dearer.
-  const SampleSpread spread(32, 1024, 64, {0, 0, 0, 0, 1});
+  const SampleSpread spread(32, 1024, 64, looks({0, 0, 0, 0, 1}));
   EXPECT_EQ(spread.count(1), 128u);
   EXPECT_EQ(spread.count(0), 32u);
   // On average the budget is kept.
   for (const double share : {0.02, 0.1, 0.3, 0.6}) {
-    std::vector<double> contrasts(1000);
+    std::vector<PixelLook> contrasts(1000);
     for (size_t i = 0; i < contrasts.size(); ++i)
-      if (static_cast<double>(i) < share * 1000) contrasts[i] = 0.01 + 0.003 * static_cast<double>(i);
+      if (static_cast<double>(i) < share * 1000) contrasts[i].contrast_square = 0.01 + 0.003 * static_cast<double>(i);
     const SampleSpread some(32, 1024, 64, contrasts);
     double sum = 0;
-    for (const double contrast : contrasts) sum += some.count(contrast);
+    for (const PixelLook& look : contrasts) sum += some.count(look.contrast_square);
     EXPECT_LT(sum / 1000, 1.1 * 64) << share;
     EXPECT_GT(sum / 1000, 0.5 * 64) << share;
   }
 }
 
+TEST(SampleSpread, WhatIsSavedOnCheapPixelsBuysLess) {
+  const auto count_at = [](double price) {
+    return SampleSpread(32, 4096, 64, {{0, price}, {0, price}, {0, price}, {0, price}, {0, price}, {0, price}, {1, 1}})
+        .count(1);
+  };
+  EXPECT_EQ(count_at(1), 256u);
+  EXPECT_EQ(count_at(0.1), 64u);
+}
+
+TEST(SampleSpread, ItsGainIsWhatOneWouldPayForTheSameError) {
+  const auto same = looks({0.9, 1, 1.1});
+  EXPECT_EQ(SampleSpread(32, 1024, 64, same).gain(64, same), 1);
+  // All edges get four times the budget, at no more time.
+  const auto few = looks({0, 0, 0, 0, 0, 0, 0, 0, 0, 1});
+  const SampleSpread spread(32, 1024, 64, few);
+  EXPECT_DOUBLE_EQ(spread.gain(64, few), spread.count(1) / 64.0);
+  EXPECT_GT(spread.count(1), 128u);
+  EXPECT_EQ(spread.gain(64, looks({0, 0})), 1) << "nothing to gain";
+}
+
 TEST(SampleSpread, LeavesPixelsAloneThatAreAllAlike) {
-  const SampleSpread spread(32, 1024, 64, {0.8, 0.9, 1, 1.1, 1.2});
+  const SampleSpread spread(32, 1024, 64, looks({0.8, 0.9, 1, 1.1, 1.2}));
   for (const double contrast : {0.8, 1.0, 1.2}) EXPECT_EQ(spread.count(contrast), 64u);
-  const SampleSpread blank(32, 1024, 64, {0, 0, 0, 0});
+  const SampleSpread blank(32, 1024, 64, looks({0, 0, 0, 0}));
   EXPECT_EQ(blank.count(0), 32u);
   EXPECT_EQ(blank.count(1), 1024u) << "a speck on an empty picture";
 }

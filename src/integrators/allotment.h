@@ -20,7 +20,7 @@ struct PixelPlan {
 /// Time-continuous rays are chosen when they are worth this much more than the samples they replace: prices are
 /// estimates and vary over the picture, and worth() is for pixels in which nothing but motion makes noise (measured:
 /// two rays through foliage are worth 16 samples and not 34, sixteen 256 and not 1181).
-inline constexpr double kRequiredGain = 4;
+inline constexpr double kRequiredGain = 2.5;
 
 /// Rays to what stands still with which a pixel is looked at for edges in front of what moves; none of them pays for a
 /// budget below kLeastForStill.
@@ -46,7 +46,9 @@ inline double dither(int x, int y) {
 /// Spends the time of `budget` discrete samples (at least 1) in a pixel in which things move. Points of low discrepancy
 /// are at their best in powers of two, so a pixel gets the power of two below what the budget buys or, where `chance`,
 /// in [0, 1), is less than the share of pixels for which it then lasts, the one above.
-inline PixelPlan allot(uint32_t budget, double speed, const RayPrices& prices, double chance) {
+/// discrete_gain: discrete samples go where they are needed, and are so many times as good for it.
+inline PixelPlan allot(uint32_t budget, double speed, const RayPrices& prices, double chance,
+                       double discrete_gain = 1) {
   const PixelPlan discrete{0, budget};
   const double samples = budget, time = samples - samples * prices.still_ray;
   const auto cost = [&](double rays) { return rays * tc_ray_price(prices, rays); };
@@ -55,7 +57,7 @@ inline PixelPlan allot(uint32_t budget, double speed, const RayPrices& prices, d
   while (2 * low <= budget && cost(2.0 * low) <= time) low *= 2;
   const double share = std::clamp((time - cost(low)) / (cost(2.0 * low) - cost(low)), 0.0, 1.0);  // with twice as many
   const double error = (1 - share) / worth(low, speed) + share / worth(2.0 * low, speed);
-  if (!(1 / error > kRequiredGain * samples)) return discrete;
+  if (!(1 / error > kRequiredGain * discrete_gain * samples)) return discrete;
   return {std::min(chance < share ? 2 * low : low, budget), budget};
 }
 

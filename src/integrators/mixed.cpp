@@ -36,7 +36,8 @@ bool has_still_veil(const Shot& shot, const Shader& shader) {
 /// Pixels in which the picture is looked at beforehand, for where samples are needed: a hundredth of the
 /// time at most.
 constexpr uint64_t kPixelsPerLook = 64, kLeastLooks = 128, kMostLooks = 4096;
-constexpr size_t kLeastContrasts = 16;  // fewer say nothing of the picture
+constexpr size_t kLeastLooksSeen = 16;  // fewer say nothing of the picture
+constexpr double kLeastPrice = 0.05;    // of a sample of what stands still, even where nothing does
 constexpr size_t kLooksPerTask = 64;
 
 class MixedIntegrator : public Integrator {
@@ -76,23 +77,38 @@ class MixedIntegrator : public Integrator {
     const uint64_t pixels = static_cast<uint64_t>(frame.width) * static_cast<uint64_t>(frame.height);
     const auto count = static_cast<uint32_t>(std::clamp<uint64_t>(pixels / kPixelsPerLook, kLeastLooks, kMostLooks));
     const Sampler places(SamplerKind::owen_sobol, count, 0);
-    std::vector<std::optional<double>> looks(count);
+    struct Look {
+      PixelLook pixel;
+      int x = 0, y = 0;
+      bool tc_possible = false;
+    };
+    std::vector<Look> looks(count);
     std::mutex mutex;  // of stats
     parallel_for(count, kLooksPerTask, [&](size_t begin, size_t end) {
       MixedWorker worker(*this);
       for (size_t i = begin; i < end; ++i) {
         const SamplePoint place = places.point(places.pixel(0, 0), static_cast<uint32_t>(i));
-        looks[i] = worker.look_at(static_cast<int>(place.x * static_cast<float>(frame.width)),
-                                  static_cast<int>(place.y * static_cast<float>(frame.height)), monitor);
+        Look& look = looks[i];
+        look.x = static_cast<int>(place.x * static_cast<float>(frame.width));
+        look.y = static_cast<int>(place.y * static_cast<float>(frame.height));
+        look.tc_possible = worker.begin_pixel(look.x, look.y, monitor).tc_rays > 0;
+        look.pixel = worker.look_at(look.x, look.y, monitor);
       }
       const std::lock_guard<std::mutex> lock(mutex);
       worker.add_ray_counts(stats);
     });
-    std::vector<double> contrasts;
-    for (const auto& look : looks)
-      if (look) contrasts.push_back(*look);
-    if (contrasts.size() < kLeastContrasts) return;
-    spread_.emplace(first_samples(budget_), most_samples(budget_), budget_, contrasts);
+    // What discrete samples are worth in the pixels that could have time-continuous rays instead, and then the rule for
+    // those that do not.
+    std::vector<PixelLook> all, rivals, discrete;
+    for (const Look& look : looks) {
+      all.push_back(look.pixel);
+      if (look.tc_possible) rivals.push_back(look.pixel);
+    }
+    const uint32_t first = first_samples(budget_), most = most_samples(budget_);
+    discrete_gain_ = SampleSpread(first, most, budget_, all).gain(budget_, rivals);
+    for (const Look& look : looks)
+      if (!look.tc_possible || plan(look.x, look.y).tc_rays == 0) discrete.push_back(look.pixel);
+    if (discrete.size() >= kLeastLooksSeen) spread_.emplace(first, most, budget_, discrete);
   }
 
   const Tracer& tracer() const { return tracer_; }
@@ -102,7 +118,12 @@ class MixedIntegrator : public Integrator {
   PixelPlan plan(int x, int y) const {
     if (!automatic_) return fixed_plan_;
     if (!still_layer_is_empty_ && budget_ < kLeastForStill) return {0, budget_};
-    return allot(budget_, mask_.speed(x, y), prices_, dither(x, y));
+    return allot(budget_, mask_.speed(x, y), prices_, dither(x, y), discrete_gain_);
+  }
+
+  /// Of a discrete sample, where nothing moves and where something does.
+  double sample_price(DiscreteLayer layer) const {
+    return layer == DiscreteLayer::all ? 1 : std::clamp(prices_.still_ray, kLeastPrice, 1.0);
   }
 
   class MixedWorker : public Worker {
@@ -117,7 +138,7 @@ class MixedIntegrator : public Integrator {
 
     void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
-      const PixelPlan plan = begin_pixel(x, y, pixel, monitor);
+      const PixelPlan plan = begin_pixel(x, y, monitor);
       const bool moves = integrator_.mask_.moves(x, y);
       moving_pixels_ += moves;
       if (plan.tc_rays > 0) {
@@ -128,14 +149,23 @@ class MixedIntegrator : public Integrator {
       render_discrete(x, y, pixel, layer, sink, monitor);
     }
 
-    /// The square of the contrast that a pixel's first samples have; nothing where it gets time-continuous rays.
-    std::optional<double> look_at(int x, int y, Monitor& monitor) {
-      const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
-      if (begin_pixel(x, y, pixel, monitor).tc_rays > 0) return std::nullopt;
+    /// What a pixel's first samples say.
+    PixelLook look_at(int x, int y, Monitor& monitor) {
       const DiscreteLayer layer = integrator_.mask_.moves(x, y) ? DiscreteLayer::all : DiscreteLayer::still;
       contrast_.begin_pixel(nullptr);
-      samples_.take(x, y, pixel, 0, first_samples(integrator_.budget_), layer, contrast_, monitor);
-      return contrast_.square();
+      samples_.take(x, y, context_.sampler.pixel(x, y), 0, first_samples(integrator_.budget_), layer, contrast_,
+                    monitor);
+      return {contrast_.square(), integrator_.sample_price(layer)};
+    }
+
+    /// What the pixel gets.
+    PixelPlan begin_pixel(int x, int y, Monitor& monitor) {
+      align_ = integrator_.mask_.moves(x, y) ? align_points(integrator_.mask_, x, y) : AlignedPoints();
+      still_layer_.begin_pixel(x, y, context_.sampler.pixel(x, y), align_);
+      if (!integrator_.mask_.moves(x, y)) return {};
+      const PixelPlan plan = integrator_.plan(x, y);
+      if (plan.tc_rays > 0 && has_still_edge_in_front(x, y, monitor)) return {};
+      return plan;
     }
 
     void add_counts(RenderStats& stats) const override {
@@ -152,15 +182,6 @@ class MixedIntegrator : public Integrator {
     }
 
    private:
-    PixelPlan begin_pixel(int x, int y, const Sampler::Pixel& pixel, Monitor& monitor) {
-      align_ = integrator_.mask_.moves(x, y) ? align_points(integrator_.mask_, x, y) : AlignedPoints();
-      still_layer_.begin_pixel(x, y, pixel, align_);
-      if (!integrator_.mask_.moves(x, y)) return {};
-      const PixelPlan plan = integrator_.plan(x, y);
-      if (plan.tc_rays > 0 && has_still_edge_in_front(x, y, monitor)) return {};
-      return plan;
-    }
-
     /// Where something that stands still covers a part of the pixel in front of what moves, its outline is the noise,
     /// and more rays are better than exact ones.
     bool has_still_edge_in_front(int x, int y, Monitor& monitor) {
@@ -317,6 +338,7 @@ class MixedIntegrator : public Integrator {
   bool automatic_;                      // plan per pixel
   uint32_t budget_;                     // samples of a pixel
   PixelPlan fixed_plan_;                // else
+  double discrete_gain_ = 1;            // what spreading discrete samples is worth; see SampleSpread::gain
   std::optional<SampleSpread> spread_;  // of pixels with discrete samples alone; unset: all get the budget
   ShadingOptions shading_;
   const MotionMask& mask_;

@@ -31,26 +31,47 @@ inline bool spreads_samples(const RenderParams& params) {
          params.spp > 0 && first_samples(static_cast<uint32_t>(params.spp)) >= kLeastFirst;
 }
 
+/// What the first samples of a pixel say.
+struct PixelLook {
+  double contrast_square = 0;
+  /// Of a sample there, of any unit: what is saved where nothing moves buys less where something does. Samples of edges
+  /// are about as dear in either place, so it does not decide which pixel gets them.
+  double price = 1;
+};
+
 /// The rule by which the square of a pixel's contrast gives its number of samples.
 class SampleSpread {
  public:
   /// `first` in pixels without contrast, twice as many in most, up to `most` where they are needed; all powers of two.
-  /// `mean` is what they are to cost on average over pixels with these squared contrasts, in samples.
-  SampleSpread(uint32_t first, uint32_t most, double mean, const std::vector<double>& contrasts)
+  /// Together they are to cost what `mean` samples in each of the pixels looked at do.
+  SampleSpread(uint32_t first, uint32_t most, double mean, const std::vector<PixelLook>& looks)
       : first_(first), most_(most) {
-    const auto mean_cost = [&](double scale) {
+    double budget = 0;
+    for (const PixelLook& look : looks) budget += look.price * mean;
+    const auto cost = [&](double scale) {
       double sum = 0;
-      for (const double contrast : contrasts)
-        sum += first + kDearer * (std::clamp<double>(wanted(contrast, scale), first, most) - first);
-      return sum / static_cast<double>(contrasts.size());
+      for (const PixelLook& look : looks)
+        sum += look.price *
+               (first + kDearer * (std::clamp<double>(wanted(look.contrast_square, scale), first, most) - first));
+      return sum;
     };
     // From nothing for anybody to all for the least contrast that a display shows.
     double low = 0, high = most * std::pow(kLeastContrast * kLeastContrast, -kExponent);
     for (int i = 0; i < kHalvings; ++i) {
       const double middle = (low + high) / 2;
-      (mean_cost(middle) < mean ? low : high) = middle;
+      (cost(middle) < budget ? low : high) = middle;
     }
     scale_ = low;
+  }
+
+  /// How many times the samples it would take to get the same error in these pixels with `mean` in each; at least 1.
+  double gain(double mean, const std::vector<PixelLook>& looks) const {
+    double alike = 0, spread = 0;
+    for (const PixelLook& look : looks) {
+      alike += look.contrast_square * std::pow(mean, -kErrorExponent);
+      spread += look.contrast_square * std::pow(count(look.contrast_square), -kErrorExponent);
+    }
+    return spread > 0 ? std::max(1.0, std::pow(alike / spread, 1 / kErrorExponent)) : 1;
   }
 
   /// Of a pixel. Contrasts are estimates: a pixel that is wrongly given half of the samples loses more than one that is
@@ -66,7 +87,7 @@ class SampleSpread {
  private:
   /// The squared error of n Owen-Sobol' samples of an edge with the contrast c is about c^2 n^-1.5. The sum of that
   /// over the picture, for a given sum of n, is least where n goes with (c^2)^0.4.
-  static constexpr double kExponent = 0.4;
+  static constexpr double kErrorExponent = 1.5, kExponent = 1 / (1 + kErrorExponent);
   /// Rays where things meet cost more than those to the middle of a wall (hall, fan: 1.2 to 1.3 times).
   static constexpr double kDearer = 1.25;
   /// On the foliage, where all pixels are alike, rounding to the nearest power of two loses 0.5 dB; on the hall these
