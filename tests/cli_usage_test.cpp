@@ -114,6 +114,7 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--shading", "flat"},
                                                        {"--max-depth", "3"},
                                                        {"--seed", "7"},
+                                                       {"--calibration", "default"},
                                                        {"--instruction-set", "scalar"},
                                                        {"--stats-file", "stats.json"},
                                                        {"--quiet", ""},
