@@ -13,7 +13,7 @@ namespace {
 constexpr size_t kGrain = 4096;
 
 /// Between two keys normals turn unevenly, most where a triangle is seen to shrink: so many steps are looked at.
-constexpr size_t kSteps = 8;
+constexpr size_t kSteps = 4;
 
 /// A key, or an instant between two.
 struct Instant {
@@ -46,8 +46,9 @@ ColourVariation::ColourVariation(const Shot& shot, const CameraAxes& world_from_
   for (size_t m = 0; m < shot.meshes.size(); ++m) {
     const Mesh& mesh = shot.meshes[m];
     std::vector<Instant> instants{{0, 0, 0, world_from_camera.at(0)}};
-    std::vector<double> durations{0};  // [instant]: since the one before
-    for (size_t key = 0; key + 1 < mesh.key_count(); ++key) {
+    std::vector<double> durations{0};             // [instant]: since the one before
+    const bool turns = mesh.normals.size() != 1;  // else the mesh's own normals stay as they are
+    for (size_t key = 0; turns && key + 1 < mesh.key_count(); ++key) {
       const double begin = static_cast<double>(mesh.key_times[key]), end = static_cast<double>(mesh.key_times[key + 1]);
       for (size_t step = 1; step <= kSteps; ++step) {
         const double weight = static_cast<double>(step) / kSteps;
