@@ -33,8 +33,8 @@ bool has_still_veil(const Shot& shot, const Shader& shader) {
   return false;
 }
 
-/// Pixels in which the picture is looked at beforehand, for where samples are needed: a hundredth of the
-/// time at most.
+/// Pixels in which the picture is looked at beforehand, for where samples are needed: it takes
+/// about a hundredth of the time.
 constexpr uint64_t kPixelsPerLook = 64, kLeastLooks = 128, kMostLooks = 4096;
 constexpr size_t kLeastLooksSeen = 16;  // fewer say nothing of the picture
 constexpr double kLeastPrice = 0.05;    // of a sample of what stands still, even where nothing does

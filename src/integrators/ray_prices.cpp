@@ -93,11 +93,11 @@ RayPrices estimate_prices(const RayWork& work, double key_spans, bool anything_s
 }
 
 double tc_ray_price(const RayPrices& prices, double rays) {
-  constexpr auto kRays = Calibration::kRays;
-  if (rays <= kRays.front()) return prices.tc_ray.front();
-  for (size_t i = 1; i < kRays.size(); ++i)
-    if (rays <= kRays[i]) {
-      const double place = std::log2(rays / kRays[i - 1]) / std::log2(static_cast<double>(kRays[i]) / kRays[i - 1]);
+  constexpr auto kKnown = Calibration::kRays;
+  if (rays <= kKnown.front()) return prices.tc_ray.front();
+  for (size_t i = 1; i < kKnown.size(); ++i)
+    if (rays <= kKnown[i]) {
+      const double place = std::log2(rays / kKnown[i - 1]) / std::log2(static_cast<double>(kKnown[i]) / kKnown[i - 1]);
       return prices.tc_ray[i - 1] + (prices.tc_ray[i] - prices.tc_ray[i - 1]) * place;
     }
   return prices.tc_ray.back();
