@@ -61,7 +61,7 @@ Pixels moving_pixels(const MotionMask& mask, const Projection& frame) {
 /// One way to render the pixels, and how long it took each time.
 class Way {
  public:
-  Way(ShotParts& parts, RenderParams params, const Shader& shader, const Pixels& pixels)
+  Way(ShotParts& parts, const RenderParams& params, const Shader& shader, const Pixels& pixels)
       : pixels_(pixels),
         context_{CameraRays(parts.shot().projection),
                  Sampler(params.sampler, static_cast<uint32_t>(std::max(params.spp, params.tc_rays)), params.seed),
