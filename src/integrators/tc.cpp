@@ -32,7 +32,8 @@ class TcIntegrator : public Integrator {
     void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
       const uint32_t count = context_.sampler.count();
-      const AlignedPoints align = align_points(integrator_.mask_, x, y);
+      // A single ray is nowhere better than anywhere else.
+      const AlignedPoints align = count > 1 ? align_points(integrator_.mask_, x, y) : AlignedPoints();
       for (uint32_t begin = 0; begin < count; begin += kMostRays) {
         if (begin % kRaysPerPoll == 0) monitor.poll();
         const uint32_t size = std::min(kMostRays, count - begin);

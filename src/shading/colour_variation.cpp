@@ -13,7 +13,7 @@ namespace {
 constexpr size_t kGrain = 4096;
 
 /// Between two keys normals turn unevenly, most where a triangle is seen to shrink: so many steps are looked at.
-constexpr size_t kSteps = 4;
+constexpr size_t kSteps = 8;
 
 /// A key, or an instant between two.
 struct Instant {
