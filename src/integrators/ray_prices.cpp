@@ -39,7 +39,7 @@ constexpr double kLeastTime = 1e-3, kMostTime = 1e9;
 
 // Of 1, 4 and 16 time-continuous rays in a pixel, how much dearer each is than the counts say: the median over the
 // scenes of docs/method.md.
-constexpr std::array<double, Calibration::kRays.size()> kFewAreDearer{2.0, 1.6, 1.25};
+constexpr std::array<double, Calibration::kRays.size()> kFewAreDearer{2.8, 2.0, 1.25};
 
 constexpr int kPixels = 64;                     // looked at
 constexpr uint32_t kRays = Tracer::kMaxPacket;  // in each
