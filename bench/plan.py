@@ -18,8 +18,7 @@ class Effort:
     shot_size: str = "960x540"
     large_size: str = "1920x1080"
     seeds: int = 3
-    study_size: str = "192x108"
-    study_rows: int = 20  # of shot_size, for shots with `rows`: about as many pixels, and motion as long as in the whole
+    study_rows: int = 20  # of shot_size: motion is as long as in the whole picture
     tc_rays: str = "1,4,16"
     budgets: str = "4,8,16,32,64,128,256"
     more_budgets: str = "4,8,16,32,64,128,256,512"  # where time-continuous rays are dear
@@ -36,13 +35,13 @@ class Effort:
 FULL = Effort()
 QUICK = replace(FULL, rounds=3, tiles=32, incoherent=4000, build_rounds=1, render_rounds=2, bands=3, thread_rounds=2,
                 keys="0,3",
-                seeds=2, study_size="64x36", study_rows=4, budgets="4,16,64,256", more_budgets="4,16,64,256",
+                seeds=2, study_rows=4, budgets="4,16,64,256", more_budgets="4,16,64,256",
                 reference_spp=512, triangles=(10**4, 10**5), motions=(1, 10, 100), spans=(1, 4),
                 sizes=("320x180", "960x540"), growth_triangles=10**4,
                 resolution_of=("terrain",), left_out=("kitchen-slow", "kitchen-large", "kitchen-fast"))
 # Says nothing about speed, only that everything runs.
 TINY = replace(QUICK, scale=0.01, rounds=2, tiles=4, incoherent=100, render_rounds=2, thread_rounds=2, shot_size="32x18",
-               large_size="64x36", study_size="16x9", study_rows=4, budgets="4,16,64,256", reference_spp=64,
+               large_size="64x36", study_rows=4, budgets="4,16,64,256", reference_spp=64,
                triangles=(100, 1000), growth_triangles=100, motions=(1, 10), spans=(1, 2), sizes=("32x18", "64x36"))
 
 
@@ -54,7 +53,6 @@ class Shot:
     scene: str  # file below the folder of scenes; its folder is what make_scenes.py calls it
     options: tuple = ()
     large: bool = False  # the larger picture
-    rows: bool = False  # studied in some rows of the large picture, not in a small one
     builds: bool = True  # with one thread and two: not for the same triangles again
     dear: bool = False  # time-continuous rays are: discrete ones are measured with more samples
 
@@ -63,10 +61,10 @@ class Shot:
 
 
 SHOTS = [
-    Shot("kitchen-slow", "kitchen, camera moves by less than a pixel", "kitchen/slow.pbrt", rows=True, builds=False),
-    Shot("kitchen", "kitchen, moving camera", "kitchen/scene.pbrt", rows=True),
+    Shot("kitchen-slow", "kitchen, camera moves by less than a pixel", "kitchen/slow.pbrt", builds=False),
+    Shot("kitchen", "kitchen, moving camera", "kitchen/scene.pbrt"),
     Shot("kitchen-large", "the same, 1920x1080", "kitchen/scene.pbrt", large=True, builds=False),
-    Shot("kitchen-fast", "kitchen, everything fast", "kitchen/fast.pbrt", rows=True, builds=False),
+    Shot("kitchen-fast", "kitchen, everything fast", "kitchen/fast.pbrt", builds=False),
     Shot("hall", "hall, small fast figure", "hall/scene.json", ("--frame", "6"), dear=True),
     Shot("still", "hall, nothing moves", "still/scene.json", dear=True),
     Shot("foliage", "foliage", "foliage/scene.json"),

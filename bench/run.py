@@ -105,7 +105,7 @@ class Benchmark:
         for shot, path in self.shots("equal"):
             if shot.large:
                 continue  # costs differ from those of the smaller picture, hardly the errors
-            frame = ["--size", e.shot_size, "--rows", e.study_rows] if shot.rows else ["--size", e.study_size]
+            frame = ["--size", e.shot_size, "--rows", e.study_rows]
             folder = self.out / "studies" / shot.name
             command = ["kairos", "study", path, "-o", folder, *frame, *shot.options, "--methods",
                        "multi-jitter,owen-sobol,tc,auto", "--tc-rays", e.tc_rays, "--shading-samples", "8", "--budgets",

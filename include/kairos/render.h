@@ -118,19 +118,21 @@ struct BuildSeconds {
 };
 
 struct RenderStats {
-  double build_seconds = 0;         ///< wall clock: all parts that this picture uses, and what it alone needs
-  BuildSeconds parts;               ///< of the parts it uses; those made for an earlier picture count as much
-  double render_seconds = 0;        ///< wall clock
-  double render_cpu_seconds = 0;    ///< processor time of the whole process, over all threads, while it renders
-  uint64_t rays = 0;                ///< from the camera
-  uint64_t segments = 0;            ///< visibility segments (discrete rays: hits)
-  uint64_t shading_samples = 0;     ///< shading evaluations
-  TraceCounters counters;           ///< tc, mixed
-  size_t accel_memory_bytes = 0;    ///< tc, mixed
-  uint64_t moving_pixels = 0;       ///< mixed, automatic: in which something may move
-  uint64_t tc_pixels = 0;           ///< of them: with time-continuous rays
-  std::optional<RayPrices> prices;  ///< automatic: by which rays were chosen; unset where nothing moves
-  int threads = 0;                  ///< used
+  double build_seconds = 0;       ///< wall clock: all parts that this picture uses, and what it alone needs
+  BuildSeconds parts;             ///< of the parts it uses; those made for an earlier picture count as much
+  double render_seconds = 0;      ///< wall clock
+  double render_cpu_seconds = 0;  ///< processor time of the whole process, over all threads, while it renders
+  /// Of these two, what is looked at before the first pixel: for the whole frame, whatever the crop.
+  double prepare_seconds = 0, prepare_cpu_seconds = 0;
+  uint64_t rays = 0;                              ///< from the camera
+  uint64_t segments = 0;                          ///< visibility segments (discrete rays: hits)
+  uint64_t shading_samples = 0;                   ///< shading evaluations
+  TraceCounters counters;                         ///< tc, mixed
+  size_t accel_memory_bytes = 0;                  ///< tc, mixed
+  uint64_t moving_pixels = 0;                     ///< mixed, automatic: in which something may move
+  uint64_t tc_pixels = 0;                         ///< of them: with time-continuous rays
+  std::optional<RayPrices> prices;                ///< automatic: by which rays were chosen; unset where nothing moves
+  int threads = 0;                                ///< used
   std::optional<InstructionSet> instruction_set;  ///< of the tc kernels; unset: discrete rays
 };
 

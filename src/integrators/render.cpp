@@ -185,12 +185,15 @@ Image Renderer::render(const RenderParams& params, RenderStats* stats_out, const
 
   start = std::chrono::steady_clock::now();
   const std::clock_t cpu_start = std::clock();
+  const auto cpu_seconds = [&] { return static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC; };
   Monitor monitor(progress, static_cast<uint64_t>(crop.x1 - crop.x0) * static_cast<uint64_t>(crop.y1 - crop.y0));
   integrator->prepare(monitor, stats);
+  stats.prepare_seconds = seconds_since(start);
+  stats.prepare_cpu_seconds = cpu_seconds();
   render_tiles(*integrator, shot, params, crop, monitor, film, stats);
   monitor.finish();
   stats.render_seconds = seconds_since(start);
-  stats.render_cpu_seconds = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+  stats.render_cpu_seconds = cpu_seconds();
 
   Image image = film.take();
   describe(image, shot, params, stats, sample_count(params));

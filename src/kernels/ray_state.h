@@ -25,7 +25,7 @@ struct StackEntry {
 /// two; and how often that is done. What is in front is decided on these lines, so where triangles pass through each
 /// other this is what limits the accuracy of the time.
 template <class Real>
-inline constexpr float kLinearDistance = sizeof(Real) == 8 ? 1e-6f : 1e-4f;
+inline constexpr float kLinearDistance = sizeof(Real) == 8 ? 1e-6f : 3e-4f;
 template <class Real>
 inline constexpr int kDeepestCut = sizeof(Real) == 8 ? 10 : 5;
 

@@ -45,6 +45,14 @@ void append(const Image& below, Image& image) {
   image.height += below.height;
 }
 
+/// What is done once for a whole frame counts by the share of it that is rendered.
+void charge_by_share(const Crop& part, const Image& image, RenderStats& stats) {
+  const double share = static_cast<double>(part.x1 - part.x0) * static_cast<double>(part.y1 - part.y0) /
+                       (static_cast<double>(image.frame_width) * static_cast<double>(image.frame_height));
+  stats.render_seconds -= (1 - share) * stats.prepare_seconds;
+  stats.render_cpu_seconds -= (1 - share) * stats.prepare_cpu_seconds;
+}
+
 /// What the conditions say is rendered, as one picture, and the sum of its costs.
 Image render_parts(Renderer& renderer, const Conditions& conditions, RenderParams params, RenderStats& stats,
                    const Progress& progress) {
@@ -57,6 +65,7 @@ Image render_parts(Renderer& renderer, const Conditions& conditions, RenderParam
     Image below = renderer.render(params, &own, [&](double fraction) {
       return !progress || progress((static_cast<double>(part) + fraction) / count);
     });
+    charge_by_share(*params.crop, below, own);
     if (part == 0) {
       image = std::move(below);
       stats = own;
