@@ -147,7 +147,7 @@ TEST(Clusters, PartsCoverEverySegmentExactly) {
 // The same of rays that are shaded together, over more parts than there are segments, and over fewer.
 TEST(PixelClusters, PartsCoverEverySegmentOfEveryRayExactly) {
   const Shot shot = flying_ball(true);
-  const Shader shader(shot, ShadingKind::normal, false);
+  const Shader shader(shot, ShadingKind::normal, false, 0, nullptr, true);
   const PixelContext context{CameraRays(shot.projection), Sampler(SamplerKind::owen_sobol, 16, 0),
                              PixelFilter(FilterKind::box), shader};
   const Tracer tracer(shot.meshes, {Precision::fast, {}});
@@ -229,7 +229,7 @@ TEST(ColourVariation, BoundsHowNormalsDiffer) {
                  test::random_soup(random, test::Motion::still, 50)};
   shot.meshes[1].positions.resize(1);
   shot.materials.resize(1);
-  const Shader shader(shot, ShadingKind::normal, false);
+  const Shader shader(shot, ShadingKind::normal, false, 0, nullptr, true);
   size_t vary = 0;
   for (uint32_t m = 0; m < 2; ++m)
     for (uint32_t t = 0; t < shot.meshes[m].triangles.size(); ++t) {

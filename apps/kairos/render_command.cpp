@@ -128,6 +128,8 @@ void render_job(const RenderArguments& arguments, const Job& job, const Scene& s
 /// What rays cost, if a file says so.
 std::optional<Calibration> calibration_of(const RenderArguments& arguments) {
   if (arguments.calibration == kDefaultCalibration) return std::nullopt;
+  if (arguments.params.integrator != IntegratorKind::automatic)
+    throw Error(ErrorCode::bad_usage, "--calibration", "only the integrator auto chooses rays by what they cost");
   const CalibrationFile file = read_calibration(arguments.calibration);
   const auto shading = name_of(kAllShadingNames, arguments.params.shading);
   if (file.shading != shading)

@@ -89,7 +89,7 @@ struct RenderParams {
                             ///< (and no more where nothing changes); 1 to 2^16
   Clusters clusters = Clusters::automatic;
   int spp = 64;  ///< qmc: samples per pixel; mixed: rays to what stands still; automatic: the budget, in the
-                 ///< time of samples of qmc; 1 to 2^20
+                 ///< time of samples of qmc, on average over the pixels; 1 to 2^20
   SamplerKind sampler = SamplerKind::owen_sobol;
   ShadingKind shading = ShadingKind::normal;
   int max_depth = 8;  ///< whitted: how often a ray may be reflected or refracted, 0 to 64

@@ -90,9 +90,9 @@ struct Bins {
   BoxLanes box[kAxes][kBins];
   uint32_t count[kAxes][kBins];
 
+  /// All that add() writes to, whether it is in use or not.
   void clear(uint32_t axes) {
-    for (size_t axis = 0; axis < kAxes; ++axis) {
-      if ((axes >> axis & 1) == 0) continue;
+    for (size_t axis = 0; axis < ((axes >> kPlaceAxes) == 0 ? kPlaceAxes : kAxes); ++axis) {
       std::fill_n(box[axis], kBins, BoxLanes::empty());
       std::fill_n(count[axis], kBins, 0u);
     }

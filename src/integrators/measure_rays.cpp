@@ -9,6 +9,7 @@
 #include <kairos/error.h>
 
 #include "film/film.h"
+#include "integrators/spread.h"
 
 namespace kairos {
 
@@ -115,7 +116,8 @@ Calibration measure_rays(ShotParts& parts, const RenderParams& params, const Pro
     throw Error(ErrorCode::bad_input, "",
                 "nothing moves relative to the camera in this picture, so there are no rays to choose between; render "
                 "it without a calibration");
-  const Shader& shader = parts.shader(params.shading, false, params.max_depth, params.discrete_keys);
+  const Shader& shader = parts.shader(params.shading, false, params.max_depth, params.discrete_keys,
+                                      shading_options(params).clusters == Clusters::pixel);
   const auto params_of = [&](IntegratorKind kind, int tc_rays, int spp) {
     RenderParams result = params;
     result.sampler = SamplerKind::owen_sobol;

@@ -36,6 +36,8 @@ bool has_still_veil(const Shot& shot, const Shader& shader) {
 /// Pixels in which the picture is looked at beforehand, for where samples are needed: it takes
 /// about a hundredth of the time.
 constexpr uint64_t kPixelsPerLook = 64, kLeastLooks = 128, kMostLooks = 4096;
+/// In smaller pictures than this it would be more than a twentieth.
+constexpr uint64_t kLeastPixels = 10 * kLeastLooks;
 constexpr size_t kLeastLooksSeen = 16;  // fewer say nothing of the picture
 constexpr double kLeastPrice = 0.05;    // of a sample of what stands still, even where nothing does
 constexpr size_t kLooksPerTask = 64;
@@ -75,6 +77,7 @@ class MixedIntegrator : public Integrator {
     if (!spreads_samples(params_)) return;
     const Projection& frame = shot_.projection;
     const uint64_t pixels = static_cast<uint64_t>(frame.width) * static_cast<uint64_t>(frame.height);
+    if (pixels < kLeastPixels) return;
     const auto count = static_cast<uint32_t>(std::clamp<uint64_t>(pixels / kPixelsPerLook, kLeastLooks, kMostLooks));
     const Sampler places(SamplerKind::owen_sobol, count, 0);
     struct Look {

@@ -79,9 +79,10 @@ MotionMask::MotionMask(const Shot& shot, double margin)
   count_.assign(columns * rows, 0);
   speed_.assign(columns * rows, 0);
   depth_.assign(columns * rows, 0);
-  along_.assign(columns * rows, 0);
-  across_.assign(columns * rows, 0);
-  weight_.assign(columns * rows, 0);
+  const size_t cell_columns = cells(width_), cell_rows = cells(height_);
+  along_.assign(cell_columns * cell_rows, 0);
+  across_.assign(cell_columns * cell_rows, 0);
+  weight_.assign(cell_columns * cell_rows, 0);
   const ToScreen to_screen(shot.projection);
   for (const Mesh& mesh : shot.meshes) {
     if (mesh.is_static()) continue;
@@ -97,6 +98,7 @@ MotionMask::MotionMask(const Shot& shot, double margin)
           nearest = std::min({nearest, -points[v].z, -points[v + 3].z});
           if (!to_screen.is_in_front(points[v]) || !to_screen.is_in_front(points[v + 3])) {
             path = kHighestSpeed;
+            longest = {};  // of no direction
           } else {
             const Vec2d a = to_screen(points[v]), b = to_screen(points[v + 3]);
             const double length = std::hypot(b.x - a.x, b.y - a.y);
@@ -132,23 +134,31 @@ MotionMask::MotionMask(const Shot& shot, double margin)
           count_[y * columns + x] += sign;
           speed_[y * columns + x] += sign * speed;
           depth_[y * columns + x] += sign * depth;
-          along_[y * columns + x] += sign * along;
-          across_[y * columns + x] += sign * across;
-          weight_[y * columns + x] += sign * whole;
         };
         add(x0, y0, 1);
         add(x1, y0, -1);
         add(x0, y1, -1);
         add(x1, y1, 1);
+        const auto add_direction = [&](size_t x, size_t y, int sign) {
+          along_[y * cell_columns + x] += sign * along;
+          across_[y * cell_columns + x] += sign * across;
+          weight_[y * cell_columns + x] += sign * whole;
+        };
+        const auto after = [](size_t pixel) { return (pixel + kCell - 1) / kCell; };
+        add_direction(x0 / kCell, y0 / kCell, 1);
+        add_direction(after(x1), y0 / kCell, -1);
+        add_direction(x0 / kCell, after(y1), -1);
+        add_direction(after(x1), after(y1), 1);
       }
   }
-  sum_up(count_);
-  for (std::vector<int64_t>* plane : {&speed_, &depth_, &along_, &across_, &weight_}) sum_up(*plane);
+  sum_up(count_, columns);
+  for (std::vector<int64_t>* plane : {&speed_, &depth_}) sum_up(*plane, columns);
+  for (std::vector<int64_t>* plane : {&along_, &across_, &weight_}) sum_up(*plane, cell_columns);
 }
 
 template <class Number>
-void MotionMask::sum_up(std::vector<Number>& plane) const {
-  const size_t columns = static_cast<size_t>(width_) + 1, rows = static_cast<size_t>(height_) + 1;
+void MotionMask::sum_up(std::vector<Number>& plane, size_t columns) {
+  const size_t rows = plane.size() / columns;
   for (size_t y = 0; y < rows; ++y)
     for (size_t x = 1; x < columns; ++x) plane[y * columns + x] += plane[y * columns + x - 1];
   for (size_t y = 1; y < rows; ++y)
@@ -156,8 +166,9 @@ void MotionMask::sum_up(std::vector<Number>& plane) const {
 }
 
 std::optional<double> MotionMask::direction(int x, int y) const {
-  const auto along = static_cast<double>(at(along_, x, y)), across = static_cast<double>(at(across_, x, y));
-  const auto weight = static_cast<double>(at(weight_, x, y));
+  const size_t cell = static_cast<size_t>(y) / kCell * cells(width_) + static_cast<size_t>(x) / kCell;
+  const auto along = static_cast<double>(along_[cell]), across = static_cast<double>(across_[cell]);
+  const auto weight = static_cast<double>(weight_[cell]);
   if (!(weight > 0) || std::hypot(along, across) < kLeastAgreement * weight) return std::nullopt;
   return 0.5 * std::atan2(across, along);
 }

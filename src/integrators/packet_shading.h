@@ -103,7 +103,9 @@ class PacketShading {
     uint32_t looks = 0;
     for (Group& group : groups_) {
       const float variation = context_.shader.variation(group.mesh, group.triangle, group.last - group.first);
-      group.parts = std::max(1u, static_cast<uint32_t>(std::ceil(samples * variation * group.time)));
+      const float wanted = std::ceil(samples * variation * group.time);
+      const float most = static_cast<float>(options_.samples) * static_cast<float>(group.segments);
+      group.parts = static_cast<uint32_t>(std::clamp(wanted, 1.0f, most));
       group.first_look = looks;
       group.phase = phase;
       looks += group.parts;
@@ -116,7 +118,7 @@ class PacketShading {
 
   /// Shades every part of every group at one instant of one of its segments.
   void take_samples(const Packet& packet) {
-    if (key_.seed != packet.pixel_seed) key_ = {packet.pixel_seed, 0};
+    if (key_.seed != packet.pixel_seed) key_ = {packet.pixel_seed, kFirstKey};
     auto index = group_of_.begin();
     for (size_t r = 0; r < packet.rays.size(); ++r)
       for (const Segment& segment : packet.seen[r].segments) {
@@ -163,6 +165,7 @@ class PacketShading {
     }
   }
 
+  static constexpr uint32_t kFirstKey = 1u << 31;  // keys below are those of rays that are shaded by themselves
   static constexpr uint32_t kNone = 0xffffffffu;
   static constexpr uint64_t kHashFactor = 0x9e3779b97f4a7c15u;  // 2^64 over the golden ratio
   /// Where colours differ by more than 1 / this, a group gets more samples than options_.samples for each ray that sees

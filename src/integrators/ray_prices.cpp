@@ -80,6 +80,7 @@ RayWork sample_ray_work(const PixelContext& context, const Shot& shot, const Mot
 }
 
 RayPrices estimate_prices(const RayWork& work, double key_spans, bool anything_still, ShadingKind shading) {
+  if (work.nodes + work.triangles + work.evaluations == 0) return {};  // nothing is known
   const double shade = shading_time(shading);
   const double hits = work.hits / key_spans;
   const double discrete = kDiscrete + kDiscreteMost * hits / (hits + kHalfway) + shade;

@@ -174,7 +174,10 @@ Image Renderer::render(const RenderParams& params, RenderStats* stats_out, const
   const ThreadLimit limit(params.threads);
   RenderStats stats;
   stats.threads = thread_count();
-  const Shader& shader = parts_->shader(params.shading, want_normal, params.max_depth, params.discrete_keys);
+  const bool want_variation =
+      params.integrator != IntegratorKind::qmc && shading_options(params).clusters == Clusters::pixel;
+  const Shader& shader =
+      parts_->shader(params.shading, want_normal, params.max_depth, params.discrete_keys, want_variation);
   auto start = std::chrono::steady_clock::now();
   const PixelContext context{CameraRays(shot.projection), Sampler(params.sampler, point_count(params), params.seed),
                              PixelFilter(params.filter), shader};
@@ -204,7 +207,7 @@ Image Renderer::render(const RenderParams& params, RenderStats* stats_out, const
 Calibration Renderer::calibrate(const RenderParams& params, const Progress& progress) {
   const Projection& frame = parts_->shot().projection;
   check(frame, params, {0, frame.width, 0, frame.height});
-  const ThreadLimit limit(1);
+  const ThreadLimit limit(params.threads);  // of what is built; measuring takes one
   return measure_rays(*parts_, params, progress);
 }
 

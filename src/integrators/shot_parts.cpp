@@ -19,11 +19,12 @@ const Part& ShotParts::use(Timed<Part>& timed, double BuildSeconds::*field, cons
   return *timed.part;
 }
 
-const Shader& ShotParts::shader(ShadingKind kind, bool want_normal, int max_depth, int discrete_keys) {
+const Shader& ShotParts::shader(ShadingKind kind, bool want_normal, int max_depth, int discrete_keys,
+                                bool want_variation) {
   // Before the clock starts: this part has one of its own.
   const auto rays = kind == ShadingKind::whitted ? shared_discrete(discrete_keys) : nullptr;
-  return use(shaders_[{kind, want_normal, max_depth}], &BuildSeconds::shading,
-             [&] { return std::make_shared<const Shader>(shot_, kind, want_normal, max_depth, rays); });
+  return use(shaders_[{kind, want_normal, max_depth, want_variation}], &BuildSeconds::shading,
+             [&] { return std::make_shared<const Shader>(shot_, kind, want_normal, max_depth, rays, want_variation); });
 }
 
 const Tracer& ShotParts::tracer(std::optional<InstructionSet> instruction_set, bool moving_meshes_only) {

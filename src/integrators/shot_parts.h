@@ -24,8 +24,9 @@ class ShotParts {
 
   const Shot& shot() const { return shot_; }
 
-  /// discrete_keys: see RenderParams; of the rays that shading itself traces.
-  const Shader& shader(ShadingKind kind, bool want_normal, int max_depth, int discrete_keys);
+  /// discrete_keys: see RenderParams; of the rays that shading itself traces. want_variation: see Shader.
+  const Shader& shader(ShadingKind kind, bool want_normal, int max_depth, int discrete_keys,
+                       bool want_variation = false);
   /// moving_meshes_only: see TracerOptions; the same as without where nothing stands still.
   const Tracer& tracer(std::optional<InstructionSet> instruction_set, bool moving_meshes_only = false);
   const DiscreteScene& discrete(int keys);
@@ -50,7 +51,7 @@ class ShotParts {
 
   const Shot& shot_;
   std::unique_ptr<const Shader> surfaces_;  // for its cut-outs
-  std::map<std::tuple<ShadingKind, bool, int>, Timed<Shader>> shaders_;
+  std::map<std::tuple<ShadingKind, bool, int, bool>, Timed<Shader>> shaders_;
   std::map<std::pair<std::optional<InstructionSet>, bool>, Timed<Tracer>> tracers_;
   Timed<DiscreteScene> discrete_;
   int discrete_keys_ = 0;

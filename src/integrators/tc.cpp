@@ -13,7 +13,8 @@ namespace {
 
 class TcIntegrator : public Integrator {
  public:
-  TcIntegrator(const Shot& shot, const MotionMask& mask, const Tracer& tracer, ShadingOptions shading,
+  /// mask: null to leave the points of a pixel where they are.
+  TcIntegrator(const Shot& shot, const MotionMask* mask, const Tracer& tracer, ShadingOptions shading,
                const PixelContext& context)
       : context_(context),
         shading_(shading),
@@ -32,8 +33,8 @@ class TcIntegrator : public Integrator {
     void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
       const uint32_t count = context_.sampler.count();
-      // A single ray is nowhere better than anywhere else.
-      const AlignedPoints align = count > 1 ? align_points(integrator_.mask_, x, y) : AlignedPoints();
+      const AlignedPoints align =
+          integrator_.mask_ != nullptr ? align_points(*integrator_.mask_, x, y) : AlignedPoints();
       for (uint32_t begin = 0; begin < count; begin += kMostRays) {
         if (begin % kRaysPerPoll == 0) monitor.poll();
         const uint32_t size = std::min(kMostRays, count - begin);
@@ -79,7 +80,7 @@ class TcIntegrator : public Integrator {
   const PixelContext& context_;
 
   ShadingOptions shading_;
-  const MotionMask& mask_;
+  const MotionMask* mask_;
   const Tracer& tracer_;
   PacketChoice packets_;
 };
@@ -91,8 +92,9 @@ std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderPar
   const Tracer& tracer = parts.tracer(params.instruction_set);
   stats.instruction_set = tracer.instruction_set();
   stats.accel_memory_bytes = tracer.memory_bytes();
-  return std::make_unique<TcIntegrator>(parts.shot(), parts.motion_mask(context.filter.radius()), tracer,
-                                        shading_options(params), context);
+  // A single ray is nowhere better than anywhere else.
+  const MotionMask* mask = context.sampler.count() > 1 ? &parts.motion_mask(context.filter.radius()) : nullptr;
+  return std::make_unique<TcIntegrator>(parts.shot(), mask, tracer, shading_options(params), context);
 }
 
 }  // namespace kairos

@@ -15,10 +15,12 @@ namespace kairos {
 /// Of shading by normals: bounds, as distances between unit normals, from 0 to kMost. Immutable.
 class ColourVariation {
  public:
-  /// Nothing varies in any mesh of the shot.
   ColourVariation() = default;
   /// O(triangles x keys), in parallel.
   ColourVariation(const Shot& shot, const CameraAxes& world_from_camera);
+
+  /// Was it made without a shot, or with one without meshes?
+  bool empty() const { return meshes_.empty(); }
 
   static constexpr float kMost = 2;
 

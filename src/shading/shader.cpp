@@ -9,7 +9,7 @@
 namespace kairos {
 
 Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_depth,
-               std::shared_ptr<const DiscreteScene> discrete)
+               std::shared_ptr<const DiscreteScene> discrete, bool want_variation)
     : shot_(shot),
       looks_(std::make_unique<const Looks>(shot)),
       sky_(std::make_unique<const Sky>(shot, kind == ShadingKind::whitted)),
@@ -29,7 +29,7 @@ Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_dep
     varies_.push_back(whitted_ || ((want_normal_ || looks_->is_textured(m)) && !still));
     is_even_.push_back(!whitted_ && (kind == ShadingKind::normal || !looks_->is_textured(m)));
   }
-  if (want_normal_ && !whitted_) variation_ = ColourVariation(shot, world_from_camera_);
+  if (want_variation && want_normal_ && !whitted_) variation_ = ColourVariation(shot, world_from_camera_);
 }
 
 bool Shader::joined(const Segment& first, const Segment& second) const {

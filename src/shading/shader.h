@@ -28,9 +28,9 @@ struct Shade {
 class Shader {
  public:
   /// want_normal: fill Shade::normal even where the colour does not need it. discrete: discrete rays on the shot, for
-  /// Whitted shading; null: it makes them itself.
+  /// Whitted shading; null: it makes them itself. want_variation: of normals too, which takes a look at all of them.
   Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_depth = 8,
-         std::shared_ptr<const DiscreteScene> discrete = nullptr);
+         std::shared_ptr<const DiscreteScene> discrete = nullptr, bool want_variation = false);
 
   /// time: shutter time at which the ray sees the triangle. key: only Whitted shading asks.
   Shade shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, SampleKey key = {}) const;
@@ -41,7 +41,7 @@ class Shader {
   /// How much the colours of one of the mesh's triangles may differ, over all of it and `duration` of shutter time: 0
   /// where they don't, kMuch and more where it is worth sampling often. An estimate, to spend samples by.
   float variation(uint32_t mesh, uint32_t triangle, float duration) const {
-    if (!is_even_[mesh]) return kMuch;
+    if (!is_even_[mesh] || (want_normal_ && variation_.empty())) return kMuch;
     return want_normal_ ? variation_.of(mesh, triangle, duration) : 0;
   }
   static constexpr float kMuch = 1;
