@@ -136,7 +136,7 @@ TEST(Allotment, SpendsTheBudgetOverThePictureAndGoesByWorth) {
         constexpr int kSize = 32;
         for (int y = 0; y < kSize; ++y)
           for (int x = 0; x < kSize; ++x) {
-            const PixelPlan plan = allot(budget, speed, prices, dither(x, y));
+            const PixelPlan plan = Allotment(budget, prices).plan(speed, dither(x, y));
             EXPECT_EQ(plan.discrete, budget);
             tc_pixels += plan.tc_rays > 0;
             spent += plan.tc_rays > 0
@@ -155,10 +155,34 @@ TEST(Allotment, SpendsTheBudgetOverThePictureAndGoesByWorth) {
           EXPECT_GE(share, 0.98) << budget << ' ' << speed;  // there, more rays may cost as much
         }
       }
-  EXPECT_EQ(allot(256, 0.1, RayPrices{}, 0.5).tc_rays, 0u) << "slow motion is not worth it";
-  EXPECT_EQ(allot(256, 50, RayPrices{}, 0.5, 100).tc_rays, 0u) << "discrete samples are as good";
-  EXPECT_EQ(allot(4, 1000, RayPrices{}, 0.5).tc_rays, 0u) << "too little for one";
-  EXPECT_GT(allot(256, 50, RayPrices{}, 0.5).tc_rays, 0u);
+  EXPECT_EQ(Allotment(256, RayPrices{}).plan(0.1, 0.5).tc_rays, 0u) << "slow motion is not worth it";
+  EXPECT_EQ(Allotment(256, RayPrices{}, 100).plan(50, 0.5).tc_rays, 0u) << "discrete samples are as good";
+  EXPECT_EQ(Allotment(4, RayPrices{}).plan(1000, 0.5).tc_rays, 0u) << "too little for one";
+  EXPECT_GT(Allotment(256, RayPrices{}).plan(50, 0.5).tc_rays, 0u);
+}
+
+// By definition: where the mean error over pixels is less than that of the samples, by what is required.
+TEST(Allotment, ChoosesTimeContinuousRaysFromTheSpeedOnAtWhichTheyAreWorthIt) {
+  constexpr int kPixels = 1000;
+  size_t chosen = 0, refused = 0;
+  for (const uint32_t budget : {16u, 64u, 100u, 256u})
+    for (const double dearer : {0.2, 0.5, 1.0})
+      for (const double gain : {1.0, 3.0}) {
+        RayPrices prices;
+        for (double& price : prices.tc_ray) price *= dearer;
+        const Allotment allotment(budget, prices, gain), eager(budget, prices, 1e-9);
+        for (double speed = 0.05; speed < 12; speed += 0.15) {
+          double error = 0;
+          for (int i = 0; i < kPixels; ++i)
+            error += 1 / worth(eager.plan(speed, (i + 0.5) / kPixels).tc_rays, speed) / kPixels;
+          const double gained = 1 / error / (kRequiredGain * gain * budget);
+          if (std::abs(gained - 1) < 0.01) continue;  // the share of pixels is only known to a thousandth
+          const bool is_chosen = allotment.plan(speed, 0.5).tc_rays > 0;
+          EXPECT_EQ(is_chosen, gained > 1) << budget << ' ' << dearer << ' ' << gain << ' ' << speed;
+          ++(is_chosen ? chosen : refused);
+        }
+      }
+  EXPECT_GT(std::min(chosen, refused), 100u);
 }
 
 TEST(Allotment, TracesNoMoreStillRaysThanTheirNoiseIsWorth) {

@@ -64,10 +64,11 @@ class MixedIntegrator : public Integrator {
     if (!automatic_) return;
     if (params.calibration) {
       prices_ = prices_of(*params.calibration);
-      return;
+    } else {
+      const RayWork work = sample_ray_work(context, shot_, mask_, tracer_, shading_);
+      prices_ = estimate_prices(work, mean_key_spans(shot_), anything_still, params.shading);
     }
-    const RayWork work = sample_ray_work(context, shot_, mask_, tracer_, shading_);
-    prices_ = estimate_prices(work, mean_key_spans(shot_), anything_still, params.shading);
+    allotment_ = Allotment(budget_, prices_);
   }
 
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<MixedWorker>(*this); }
@@ -108,7 +109,8 @@ class MixedIntegrator : public Integrator {
       if (look.tc_possible) rivals.push_back(look.pixel);
     }
     const uint32_t first = first_samples(budget_), most = most_samples(budget_);
-    discrete_gain_ = SampleSpread(first, most, budget_, all).gain(budget_, rivals);
+    if (automatic_)
+      allotment_ = Allotment(budget_, prices_, SampleSpread(first, most, budget_, all).gain(budget_, rivals));
     for (const Look& look : looks)
       if (!look.tc_possible || plan(look.x, look.y).tc_rays == 0) discrete.push_back(look.pixel);
     if (discrete.size() >= kLeastLooksSeen) spread_.emplace(first, most, budget_, discrete);
@@ -121,7 +123,7 @@ class MixedIntegrator : public Integrator {
   PixelPlan plan(int x, int y) const {
     if (!automatic_) return fixed_plan_;
     if (!still_layer_is_empty_ && budget_ < kLeastForStill) return {0, budget_};
-    return allot(budget_, mask_.speed(x, y), prices_, dither(x, y), discrete_gain_);
+    return allotment_.plan(mask_.speed(x, y), dither(x, y));
   }
 
   /// Of a discrete sample, where nothing moves and where something does.
@@ -163,11 +165,12 @@ class MixedIntegrator : public Integrator {
 
     /// What the pixel gets.
     PixelPlan begin_pixel(int x, int y, Monitor& monitor) {
-      align_ = integrator_.mask_.moves(x, y) ? align_points(integrator_.mask_, x, y) : AlignedPoints();
-      still_layer_.begin_pixel(x, y, context_.sampler.pixel(x, y), align_);
       if (!integrator_.mask_.moves(x, y)) return {};
       const PixelPlan plan = integrator_.plan(x, y);
-      if (plan.tc_rays > 0 && has_still_edge_in_front(x, y, monitor)) return {};
+      if (plan.tc_rays == 0) return {};
+      align_ = align_points(integrator_.mask_, x, y);
+      still_layer_.begin_pixel(x, y, context_.sampler.pixel(x, y), align_);
+      if (has_still_edge_in_front(x, y, monitor)) return {};
       return plan;
     }
 
@@ -341,7 +344,7 @@ class MixedIntegrator : public Integrator {
   bool automatic_;                      // plan per pixel
   uint32_t budget_;                     // samples of a pixel
   PixelPlan fixed_plan_;                // else
-  double discrete_gain_ = 1;            // what spreading discrete samples is worth; see SampleSpread::gain
+  Allotment allotment_{1, {}};          // of the budget, where things move
   std::optional<SampleSpread> spread_;  // of pixels with discrete samples alone; unset: all get the budget
   ShadingOptions shading_;
   const MotionMask& mask_;
