@@ -22,7 +22,7 @@ namespace kairos {
 
 namespace {
 
-constexpr int kTileSize = 16;                     // pixels
+constexpr int kTileSize = 16;                     // pixels; of a flat crop, tiles of as many pixels are wider
 constexpr int kMaxSide = 65536;                   // pixels
 constexpr int64_t kMaxPixels = int64_t{1} << 28;  // of the part that is rendered
 constexpr int kMaxShadingSamples = 1 << 16;
@@ -94,17 +94,18 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 void render_tiles(const Integrator& integrator, const Shot& shot, const RenderParams& params, const Crop& crop,
                   Monitor& monitor, Film& film, RenderStats& stats) {
   const bool count_meshes = std::find(params.aovs.begin(), params.aovs.end(), Aov::mesh) != params.aovs.end();
-  const int columns = (crop.x1 - crop.x0 + kTileSize - 1) / kTileSize;
+  const int tile_width = kTileSize * kTileSize / std::min(kTileSize, crop.y1 - crop.y0);
+  const int columns = (crop.x1 - crop.x0 + tile_width - 1) / tile_width;
   const int rows = (crop.y1 - crop.y0 + kTileSize - 1) / kTileSize;
   std::mutex mutex;  // of stats
   parallel_for(static_cast<size_t>(columns) * static_cast<size_t>(rows), 1, [&](size_t first_tile, size_t last_tile) {
     const auto worker = integrator.make_worker();
     PixelSum sum(shot.background, count_meshes);
     for (size_t tile = first_tile; tile < last_tile; ++tile) {
-      const int left = crop.x0 + static_cast<int>(tile % static_cast<size_t>(columns)) * kTileSize;
+      const int left = crop.x0 + static_cast<int>(tile % static_cast<size_t>(columns)) * tile_width;
       const int top = crop.y0 + static_cast<int>(tile / static_cast<size_t>(columns)) * kTileSize;
       for (int y = top; y < std::min(top + kTileSize, crop.y1); ++y)
-        for (int x = left; x < std::min(left + kTileSize, crop.x1); ++x) {
+        for (int x = left; x < std::min(left + tile_width, crop.x1); ++x) {
           sum.clear();
           worker->render_pixel(x, y, sum, monitor);
           film.set(x, y, sum);
