@@ -10,7 +10,7 @@
 #include <kairos/scene.h>
 #include <kairos/tracer.h>
 
-#include "integrators/camera_rays.h"
+#include "camera/camera_rays.h"
 #include "math/hash.h"
 #include "math/sampler.h"
 

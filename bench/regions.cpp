@@ -16,8 +16,8 @@
 #include <kairos/error.h>
 #include <kairos/render.h>
 
-#include "integrators/motion_mask.h"
-#include "integrators/names.h"
+#include "motion/motion_mask.h"
+#include "render/names.h"
 #include "scene/scene.h"
 
 namespace kairos {

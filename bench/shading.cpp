@@ -19,8 +19,8 @@
 #include <kairos/error.h>
 #include <kairos/render.h>
 
-#include "integrators/names.h"
-#include "output/compare.h"
+#include "metrics/compare.h"
+#include "render/names.h"
 
 namespace kairos {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <kairos/error.h>
 
-#include "integrators/ray_prices.h"
+#include "policy/ray_prices.h"
 #include "scene_io/calibration_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

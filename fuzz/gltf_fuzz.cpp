@@ -8,7 +8,7 @@
 
 #include <kairos/error.h>
 
-#include "scene_io/gltf.h"
+#include "scene_io/gltf/gltf.h"
 
 namespace {
 

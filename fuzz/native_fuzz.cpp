@@ -6,7 +6,7 @@
 
 #include <kairos/error.h>
 
-#include "scene_io/native.h"
+#include "scene_io/native/native.h"
 
 namespace {
 

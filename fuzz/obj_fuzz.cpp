@@ -1,7 +1,7 @@
 // Any bytes as an OBJ file, and as two keys of one mesh: loads or throws kairos::Error.
 #include <kairos/error.h>
 
-#include "scene_io/obj.h"
+#include "scene_io/obj/obj.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);

@@ -6,8 +6,8 @@
 
 #include <kairos/error.h>
 
-#include "scene_io/pbrt.h"
-#include "scene_io/pbrt_gzip.h"
+#include "scene_io/pbrt/gzip.h"
+#include "scene_io/pbrt/pbrt.h"
 
 namespace {
 

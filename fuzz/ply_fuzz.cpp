@@ -1,7 +1,7 @@
 // Any bytes as a PLY file: loads or throws kairos::Error.
 #include <kairos/error.h>
 
-#include "scene_io/ply.h"
+#include "scene_io/ply/ply.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {

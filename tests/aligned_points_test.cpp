@@ -1,5 +1,5 @@
 // Points along the motion: as even as before, and spread evenly across it.
-#include "integrators/aligned_points.h"
+#include "motion/aligned_points.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <kairos/render.h>
 
 #include "error_matchers.h"
-#include "integrators/ray_prices.h"
+#include "policy/ray_prices.h"
 #include "scene_io/calibration_file.h"
 #include "soup.h"
 

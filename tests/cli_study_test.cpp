@@ -7,7 +7,7 @@
 
 #include "cli.h"
 #include "image/read_exr.h"
-#include "output/compare.h"
+#include "metrics/compare.h"
 #include "study/run_log.h"
 
 namespace kairos {

@@ -1,5 +1,5 @@
 // Differences between pictures, and pictures put side by side.
-#include "output/compare.h"
+#include "metrics/compare.h"
 
 #include <cmath>
 #include <limits>
@@ -8,7 +8,7 @@
 
 #include <kairos/error.h>
 
-#include "output/text.h"
+#include "image/text.h"
 
 namespace kairos {
 namespace {

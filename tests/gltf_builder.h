@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "scene_io/gltf.h"
+#include "scene_io/gltf/gltf.h"
 
 namespace kairos {
 

@@ -9,7 +9,7 @@
 
 #include <kairos/error.h>
 
-#include "scene_io/gltf.h"
+#include "scene_io/gltf/gltf.h"
 
 namespace kairos {
 namespace {

@@ -8,9 +8,9 @@
 
 #include <kairos/render.h>
 
-#include "integrators/allotment.h"
-#include "integrators/camera_rays.h"
-#include "integrators/motion_mask.h"
+#include "camera/camera_rays.h"
+#include "motion/motion_mask.h"
+#include "policy/allotment.h"
 #include "soup.h"
 
 namespace kairos {

@@ -5,7 +5,7 @@
 #include "error_matchers.h"
 #include "gltf_builder.h"
 #include "scene_io/load.h"
-#include "scene_io/native.h"
+#include "scene_io/native/native.h"
 #include "temp_folder.h"
 
 namespace kairos {

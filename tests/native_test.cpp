@@ -1,4 +1,4 @@
-#include "scene_io/native.h"
+#include "scene_io/native/native.h"
 
 #include <numbers>
 

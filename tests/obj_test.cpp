@@ -1,4 +1,4 @@
-#include "scene_io/obj.h"
+#include "scene_io/obj/obj.h"
 
 #include <clocale>
 

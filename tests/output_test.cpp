@@ -11,10 +11,10 @@
 #include <kairos/error.h>
 #include <kairos/image.h>
 
+#include "base/atomic_file.h"
 #include "base/file.h"
 #include "image/read_exr.h"
-#include "output/atomic_file.h"
-#include "output/png.h"
+#include "image/write_png.h"
 
 namespace kairos {
 namespace {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "error_matchers.h"
-#include "scene_io/pbrt.h"
+#include "scene_io/pbrt/pbrt.h"
 #include "temp_folder.h"
 
 namespace kairos {

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "pbrt_fixture.h"
-#include "scene_io/pbrt_geometry.h"
+#include "scene_io/pbrt/geometry.h"
 
 namespace kairos {
 namespace {

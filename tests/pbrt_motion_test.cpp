@@ -1,11 +1,10 @@
 // Transforms that move: ActiveTransform, TransformTimes and instances of what moves.
-#include "scene_io/pbrt_motion.h"
-
 #include <cmath>
 #include <numbers>
 #include <random>
 
 #include "pbrt_fixture.h"
+#include "scene_io/pbrt/motion.h"
 
 namespace kairos {
 namespace {

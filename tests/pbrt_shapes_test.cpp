@@ -5,7 +5,7 @@
 #include <zlib.h>
 
 #include "pbrt_fixture.h"
-#include "scene_io/pbrt_gzip.h"
+#include "scene_io/pbrt/gzip.h"
 
 namespace kairos {
 namespace {

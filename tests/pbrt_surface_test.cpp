@@ -4,7 +4,7 @@
 #include <kairos/image.h>
 
 #include "pbrt_fixture.h"
-#include "scene_io/pbrt_spectrum.h"
+#include "scene_io/pbrt/spectrum.h"
 #include "shading/looks.h"
 
 namespace kairos {

@@ -1,9 +1,8 @@
 // Transform statements: where a point ends up.
-#include "scene_io/pbrt_transform.h"
-
 #include <cmath>
 
 #include "pbrt_fixture.h"
+#include "scene_io/pbrt/transform.h"
 
 namespace kairos {
 namespace {

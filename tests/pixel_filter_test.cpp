@@ -1,4 +1,4 @@
-#include "film/pixel_filter.h"
+#include "camera/pixel_filter.h"
 
 #include <cmath>
 

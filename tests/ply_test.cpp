@@ -1,4 +1,4 @@
-#include "scene_io/ply.h"
+#include "scene_io/ply/ply.h"
 
 #include <bit>
 #include <cstring>

@@ -1,5 +1,5 @@
 // How many discrete samples a pixel gets, from how differently the first of them look.
-#include "integrators/sample_spread.h"
+#include "policy/sample_spread.h"
 
 #include <bit>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "integrators/spread.h"
+#include "shading/spread.h"
 
 #include <cmath>
 #include <map>

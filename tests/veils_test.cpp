@@ -9,9 +9,9 @@
 
 #include <kairos/render.h>
 
-#include "film/shaded_segment.h"
 #include "image/texture.h"
-#include "integrators/layers.h"
+#include "pixel/shaded_segment.h"
+#include "shading/layers.h"
 #include "shading/shader.h"
 #include "whitted_scene.h"
 

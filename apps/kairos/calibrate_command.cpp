@@ -5,10 +5,10 @@
 #include <kairos/render.h>
 
 #include "arguments.h"
+#include "base/atomic_file.h"
 #include "commands.h"
-#include "integrators/names.h"
 #include "interrupt.h"
-#include "output/atomic_file.h"
+#include "render/names.h"
 #include "scene/scene.h"
 #include "scene_io/calibration_file.h"
 

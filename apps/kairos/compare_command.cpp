@@ -5,13 +5,13 @@
 #include <kairos/image.h>
 
 #include "arguments.h"
+#include "base/atomic_file.h"
 #include "commands.h"
 #include "frames.h"
 #include "image/read_exr.h"
 #include "interrupt.h"
-#include "output/atomic_file.h"
-#include "output/compare.h"
-#include "output/flicker.h"
+#include "metrics/compare.h"
+#include "metrics/flicker.h"
 
 namespace kairos::cli {
 

@@ -8,12 +8,12 @@
 #include <kairos/render.h>
 
 #include "arguments.h"
+#include "base/atomic_file.h"
 #include "commands.h"
 #include "frames.h"
-#include "integrators/names.h"
 #include "interrupt.h"
-#include "output/atomic_file.h"
 #include "progress_bar.h"
+#include "render/names.h"
 #include "render_stats.h"
 #include "report.h"
 #include "scene/scene.h"

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "integrators/names.h"
+#include "render/names.h"
 #include "report.h"
 
 namespace kairos::cli {

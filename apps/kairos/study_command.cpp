@@ -8,9 +8,9 @@
 
 #include "arguments.h"
 #include "commands.h"
-#include "integrators/names.h"
 #include "interrupt.h"
 #include "progress_bar.h"
+#include "render/names.h"
 #include "study/study.h"
 
 namespace kairos::cli {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "film/shaded_segment.h"
+#include "pixel/shaded_segment.h"
 
 namespace kairos {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "film/shaded_segment.h"
+#include "pixel/shaded_segment.h"
 
 namespace kairos {
 

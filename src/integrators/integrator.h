@@ -3,12 +3,12 @@
 
 #include <memory>
 
-#include "film/pixel_filter.h"
-#include "film/shaded_segment.h"
-#include "integrators/camera_rays.h"
-#include "integrators/monitor.h"
+#include "base/monitor.h"
+#include "camera/camera_rays.h"
+#include "camera/pixel_filter.h"
 #include "integrators/shot_parts.h"
 #include "math/sampler.h"
+#include "pixel/shaded_segment.h"
 #include "shading/shader.h"
 
 namespace kairos {

@@ -11,16 +11,16 @@
 
 #include "base/parallel.h"
 #include "discrete/discrete_scene.h"
-#include "integrators/aligned_points.h"
-#include "integrators/allotment.h"
 #include "integrators/contrast.h"
 #include "integrators/discrete_samples.h"
 #include "integrators/integrator.h"
-#include "integrators/motion_mask.h"
 #include "integrators/packet_choice.h"
-#include "integrators/packet_shading.h"
-#include "integrators/sample_spread.h"
 #include "integrators/still_layer.h"
+#include "motion/aligned_points.h"
+#include "motion/motion_mask.h"
+#include "policy/allotment.h"
+#include "policy/sample_spread.h"
+#include "shading/packet_shading.h"
 
 namespace kairos {
 
@@ -136,7 +136,7 @@ class MixedIntegrator : public Integrator {
     explicit MixedWorker(const MixedIntegrator& integrator)
         : integrator_(integrator),
           context_(integrator.context_),
-          shading_(context_, integrator.shading_),
+          shading_(context_.shader, integrator.shading_),
           still_layer_(context_, integrator.scene_),
           samples_(context_, integrator.scene_),
           contrast_(integrator.shot_.background) {}

@@ -11,7 +11,7 @@
 #include <kairos/tracer.h>
 
 #include "discrete/discrete_scene.h"
-#include "integrators/motion_mask.h"
+#include "motion/motion_mask.h"
 #include "shading/shader.h"
 
 namespace kairos {

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "integrators/aligned_points.h"
 #include "integrators/discrete_samples.h"
 #include "integrators/integrator.h"
+#include "motion/aligned_points.h"
 
 namespace kairos {
 

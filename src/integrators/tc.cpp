@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <array>
 
-#include "integrators/aligned_points.h"
 #include "integrators/integrator.h"
 #include "integrators/packet_choice.h"
-#include "integrators/packet_shading.h"
+#include "motion/aligned_points.h"
+#include "shading/packet_shading.h"
 
 namespace kairos {
 
@@ -28,7 +28,9 @@ class TcIntegrator : public Integrator {
   class TcWorker : public Worker {
    public:
     explicit TcWorker(const TcIntegrator& integrator)
-        : integrator_(integrator), context_(integrator.context_), shading_(integrator.context_, integrator.shading_) {}
+        : integrator_(integrator),
+          context_(integrator.context_),
+          shading_(integrator.context_.shader, integrator.shading_) {}
 
     void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);

@@ -13,12 +13,12 @@
 #include <kairos/error.h>
 
 #include "base/file.h"
-#include "scene_io/gltf.h"
+#include "scene_io/gltf/gltf.h"
 #include "scene_io/keyframes.h"
-#include "scene_io/native.h"
-#include "scene_io/obj.h"
-#include "scene_io/pbrt.h"
-#include "scene_io/ply.h"
+#include "scene_io/native/native.h"
+#include "scene_io/obj/obj.h"
+#include "scene_io/pbrt/pbrt.h"
+#include "scene_io/ply/ply.h"
 
 namespace kairos {
 

@@ -7,8 +7,8 @@
 
 #include <kairos/tracer.h>
 
+#include "camera/pixel_cone.h"
 #include "shading/looks.h"
-#include "shading/pixel_cone.h"
 
 namespace kairos {
 

@@ -8,12 +8,12 @@
 
 #include <kairos/render.h>
 
+#include "camera/pixel_cone.h"
 #include "shading/camera_axes.h"
 #include "shading/colour_variation.h"
 #include "shading/cut_outs.h"
 #include "shading/light_points.h"
 #include "shading/looks.h"
-#include "shading/pixel_cone.h"
 #include "shading/whitted.h"
 
 namespace kairos {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "output/compare.h"
+#include "metrics/compare.h"
 #include "study/statistics.h"
 
 namespace kairos::study {

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "integrators/names.h"
+#include "render/names.h"
 #include "study/machine.h"
 #include "study/pictures.h"
 #include "study/summary.h"

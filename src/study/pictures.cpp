@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "image/encode.h"
 #include "image/pixels.h"
-#include "output/encode.h"
 #include "study/measure.h"
 
 namespace kairos::study {

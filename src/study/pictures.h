@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "output/compare.h"
+#include "metrics/compare.h"
 #include "study/study_folder.h"
 #include "study/summary.h"
 

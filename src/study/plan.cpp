@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "integrators/names.h"
+#include "render/names.h"
 
 namespace kairos::study {
 

@@ -14,7 +14,7 @@
 #include <kairos/error.h>
 
 #include "base/file.h"
-#include "integrators/names.h"
+#include "render/names.h"
 
 namespace kairos::study {
 

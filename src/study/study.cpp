@@ -8,8 +8,8 @@
 #include <kairos/error.h>
 
 #include "base/parallel.h"
+#include "image/encode.h"
 #include "image/read_exr.h"
-#include "output/encode.h"
 #include "study/countdown.h"
 #include "study/measure.h"
 #include "study/page.h"

@@ -11,9 +11,9 @@
 
 #include <kairos/error.h>
 
+#include "base/atomic_file.h"
 #include "base/file.h"
-#include "integrators/names.h"
-#include "output/atomic_file.h"
+#include "render/names.h"
 #include "study/machine.h"
 
 namespace kairos::study {

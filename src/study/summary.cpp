@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "integrators/names.h"
+#include "render/names.h"
 #include "study/curve.h"
 
 namespace kairos::study {

@@ -1,0 +1,48 @@
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include <kairos/error.h>
+#include <kairos/image.h>
+
+#include "base/atomic_file.h"
+#include "image/write_exr.h"
+#include "image/write_png.h"
+
+namespace kairos {
+
+namespace {
+
+enum class Format { exr, png };
+
+Format format_of(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension == ".exr") return Format::exr;
+  if (extension == ".png") return Format::png;
+  throw Error(ErrorCode::bad_usage, path, "cannot tell the image format; end the name in .exr or .png");
+}
+
+}  // namespace
+
+const Channel* Image::find(const std::string& name) const {
+  const auto found =
+      std::find_if(channels.begin(), channels.end(), [&](const Channel& channel) { return channel.name == name; });
+  return found == channels.end() ? nullptr : &*found;
+}
+
+void write_image(const Image& image, const std::string& path, const WriteOptions& options) {
+  switch (format_of(path)) {
+    case Format::exr:
+      return write_exr(image, path, options);
+    case Format::png:
+      return write_png(image, path);
+  }
+}
+
+void check_writable_image(const std::string& path) {
+  format_of(path);
+  check_writable(path);
+}
+
+}  // namespace kairos

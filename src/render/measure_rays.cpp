@@ -1,0 +1,154 @@
+#include "render/measure_rays.h"
+
+#include <algorithm>
+#include <ctime>
+#include <deque>
+#include <utility>
+#include <vector>
+
+#include <kairos/error.h>
+
+#include "film/film.h"
+#include "shading/spread.h"
+
+namespace kairos {
+
+namespace {
+
+/// Pixels are taken in squares, as a picture is rendered tile by tile: what is next to each other is in the caches.
+constexpr int kSquare = 4;
+constexpr size_t kSquares = 64;                          // to be measured
+constexpr uint32_t kTries = 4 * kSquares;                // at most, to find squares in which something moves
+constexpr int kRounds = 9;                               // of which medians are taken
+constexpr double kShortest = 2e-3;                       // seconds: clocks tick
+constexpr int kDiscreteSamples = 64, kFewStillRays = 4;  // in a pixel
+
+/// Processor time of this thread.
+double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+using Pixels = std::vector<std::pair<int, int>>;
+
+/// Pixels in which something moves, spread over the frame.
+Pixels moving_pixels(const MotionMask& mask, const Projection& frame) {
+  Pixels pixels;
+  const Sampler places(SamplerKind::owen_sobol, kTries, 0);
+  const auto add_square = [&](int left, int top) {
+    for (int y = top; y < std::min(top + kSquare, frame.height); ++y)
+      for (int x = left; x < std::min(left + kSquare, frame.width); ++x)
+        if (mask.moves(x, y)) pixels.emplace_back(x, y);
+  };
+  for (uint32_t i = 0; i < kTries && pixels.size() < kSquares * kSquare * kSquare; ++i) {
+    const SamplePoint place = places.point(places.pixel(0, 0), i);
+    add_square(static_cast<int>(place.x * static_cast<float>(frame.width)),
+               static_cast<int>(place.y * static_cast<float>(frame.height)));
+  }
+  // A small figure is easily missed: whatever moves, in the order of the picture.
+  const size_t enough = kSquares * kSquare;
+  for (int y = 0; y < frame.height && pixels.size() < enough; ++y)
+    for (int x = 0; x < frame.width && pixels.size() < enough; ++x)
+      if (mask.moves(x, y)) pixels.emplace_back(x, y);
+  return pixels;
+}
+
+/// One way to render the pixels, and how long it took each time.
+class Way {
+ public:
+  Way(ShotParts& parts, const RenderParams& params, const Shader& shader, const Pixels& pixels)
+      : pixels_(pixels),
+        context_{CameraRays(parts.shot().projection),
+                 Sampler(params.sampler, static_cast<uint32_t>(std::max(params.spp, params.tc_rays)), params.seed),
+                 PixelFilter(params.filter), shader},
+        film_(1, 1, Crop{0, 1, 0, 1}, {}),
+        sum_(parts.shot().background, false) {
+    RenderStats stats;
+    integrator_ = params.integrator == IntegratorKind::qmc ? make_qmc_integrator(parts, params, context_)
+                                                           : make_mixed_integrator(parts, params, context_, stats);
+    worker_ = integrator_->make_worker();
+  }
+  Way(const Way&) = delete;
+  Way& operator=(const Way&) = delete;
+
+  void run(Monitor& monitor) {
+    const double start = thread_seconds();
+    int times = 0;
+    double seconds = 0;
+    do {
+      for (const auto& [x, y] : pixels_) {
+        sum_.clear();
+        worker_->render_pixel(x, y, sum_, monitor);
+        film_.set(0, 0, sum_);
+      }
+      ++times;
+      seconds = thread_seconds() - start;
+    } while (seconds < kShortest);
+    nanoseconds_.push_back(seconds * 1e9 / times / static_cast<double>(pixels_.size()));
+  }
+  /// What the first time brought into the caches is not to count.
+  void forget() { nanoseconds_.clear(); }
+  /// Of a pixel.
+  double nanoseconds() const { return median(nanoseconds_); }
+
+ private:
+  const Pixels& pixels_;
+  PixelContext context_;
+  Film film_;
+  PixelSum sum_;
+  std::unique_ptr<Integrator> integrator_;
+  std::unique_ptr<Integrator::Worker> worker_;
+  std::vector<double> nanoseconds_;
+};
+
+}  // namespace
+
+Calibration measure_rays(ShotParts& parts, const RenderParams& params, const Progress& progress) {
+  const MotionMask& mask = parts.motion_mask(PixelFilter(params.filter).radius());
+  const Pixels pixels = moving_pixels(mask, parts.shot().projection);
+  if (pixels.empty())
+    throw Error(ErrorCode::bad_input, "",
+                "nothing moves relative to the camera in this picture, so there are no rays to choose between; render "
+                "it without a calibration");
+  const Shader& shader = parts.shader(params.shading, false, params.max_depth, params.discrete_keys,
+                                      shading_options(params).clusters == Clusters::pixel);
+  const auto params_of = [&](IntegratorKind kind, int tc_rays, int spp) {
+    RenderParams result = params;
+    result.sampler = SamplerKind::owen_sobol;
+    result.integrator = kind;
+    result.tc_rays = tc_rays;
+    result.spp = spp;
+    return result;
+  };
+  std::deque<Way> ways;  // they stay where they are
+  ways.emplace_back(parts, params_of(IntegratorKind::qmc, 1, kDiscreteSamples), shader, pixels);
+  for (const int spp : {kFewStillRays, kDiscreteSamples})
+    ways.emplace_back(parts, params_of(IntegratorKind::mixed, kFewStillRays, spp), shader, pixels);
+  for (const int rays : Calibration::kRays)
+    ways.emplace_back(parts, params_of(IntegratorKind::mixed, rays, rays), shader, pixels);
+
+  // Interleaved: what else the machine does is to fall on all alike.
+  Monitor monitor(progress, static_cast<uint64_t>(kRounds + 1) * ways.size());
+  for (int round = 0; round <= kRounds; ++round)
+    for (Way& way : ways) {
+      way.run(monitor);
+      if (round == 0) way.forget();
+      monitor.finish_pixel();
+    }
+
+  Calibration result;
+  result.discrete_sample = ways[0].nanoseconds() / kDiscreteSamples;
+  const double more = ways[2].nanoseconds() - ways[1].nanoseconds();
+  result.still_ray = std::max(0.0, more / (kDiscreteSamples - kFewStillRays));
+  for (size_t i = 0; i < Calibration::kRays.size(); ++i)
+    result.tc_ray[i] = ways[3 + i].nanoseconds() / Calibration::kRays[i];
+  return result;
+}
+
+}  // namespace kairos

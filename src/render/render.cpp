@@ -1,0 +1,219 @@
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <mutex>
+
+#include <kairos/render.h>
+#include <kairos/version.h>
+
+#include "base/parallel.h"
+#include "discrete/uniform_runs.h"
+#include "film/film.h"
+#include "integrators/integrator.h"
+#include "integrators/shot_parts.h"
+#include "policy/ray_prices.h"
+#include "policy/sample_spread.h"
+#include "render/measure_rays.h"
+#include "render/names.h"
+#include "shading/spread.h"
+
+namespace kairos {
+
+namespace {
+
+constexpr int kTileSize = 16;                     // pixels; of a flat crop, tiles of as many pixels are wider
+constexpr int kMaxSide = 65536;                   // pixels
+constexpr int64_t kMaxPixels = int64_t{1} << 28;  // of the part that is rendered
+constexpr int kMaxShadingSamples = 1 << 16;
+constexpr int kMostDepth = 64;
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::bad_usage, "", what); }
+
+void check(const Projection& p, const RenderParams& params, const Crop& crop) {
+  if (p.width < 1 || p.height < 1 || p.width > kMaxSide || p.height > kMaxSide)
+    refuse("image width and height must be 1 to " + std::to_string(kMaxSide));
+  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > p.width || crop.y1 > p.height || crop.x0 >= crop.x1 || crop.y0 >= crop.y1)
+    refuse("crop " + std::to_string(crop.x0) + "," + std::to_string(crop.x1) + "," + std::to_string(crop.y0) + "," +
+           std::to_string(crop.y1) + " is empty or leaves the frame of " + std::to_string(p.width) + "x" +
+           std::to_string(p.height) + " pixels; give x0,x1,y0,y1 with 0 <= x0 < x1 <= width");
+  if (int64_t{crop.x1 - crop.x0} * (crop.y1 - crop.y0) > kMaxPixels)
+    refuse("more than " + std::to_string(kMaxPixels) + " pixels; render it in parts with a crop");
+  if (params.shading_samples < 1 || params.shading_samples > kMaxShadingSamples)
+    refuse("shading samples must be 1 to " + std::to_string(kMaxShadingSamples));
+  if (params.max_depth < 0 || params.max_depth > kMostDepth)
+    refuse("the depth of reflections must be 0 to " + std::to_string(kMostDepth));
+  if (params.threads < 0) refuse("the number of threads must not be negative");
+  if (params.calibration) prices_of(*params.calibration);
+  if (params.discrete_keys < 0 || params.discrete_keys > static_cast<int>(kMaxTimeSteps))
+    refuse("keys for discrete rays must be 0 to " + std::to_string(kMaxTimeSteps));
+}
+
+/// Samples per pixel that are asked for.
+int sample_count(const RenderParams& params) {
+  switch (params.integrator) {
+    case IntegratorKind::tc:
+      return params.tc_rays;
+    case IntegratorKind::qmc:
+    case IntegratorKind::automatic:
+      return params.spp;
+    case IntegratorKind::mixed:
+      return params.tc_rays < 1 ? params.tc_rays : std::max(params.spp, params.tc_rays);
+  }
+  return 0;
+}
+
+/// Sample points that a pixel may need.
+uint32_t point_count(const RenderParams& params) {
+  const auto samples = static_cast<uint32_t>(std::max(sample_count(params), 0));
+  if (!spreads_samples(params) || samples > Sampler::kMaxCount) return samples;
+  return most_samples(samples);
+}
+
+bool shows_bounds(ShadingKind kind) { return kind == ShadingKind::bounds || kind == ShadingKind::bounds_exact; }
+
+std::unique_ptr<Integrator> make_integrator(ShotParts& parts, const RenderParams& params, const PixelContext& context,
+                                            RenderStats& stats) {
+  if (shows_bounds(params.shading)) return make_bounds_integrator(parts.shot(), params, context, stats);
+  switch (params.integrator) {
+    case IntegratorKind::tc:
+      return make_tc_integrator(parts, params, context, stats);
+    case IntegratorKind::qmc:
+      break;
+    case IntegratorKind::automatic:
+    case IntegratorKind::mixed:
+      return make_mixed_integrator(parts, params, context, stats);
+  }
+  return make_qmc_integrator(parts, params, context);
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void render_tiles(const Integrator& integrator, const Shot& shot, const RenderParams& params, const Crop& crop,
+                  Monitor& monitor, Film& film, RenderStats& stats) {
+  const bool count_meshes = std::find(params.aovs.begin(), params.aovs.end(), Aov::mesh) != params.aovs.end();
+  const int tile_width = kTileSize * kTileSize / std::min(kTileSize, crop.y1 - crop.y0);
+  const int columns = (crop.x1 - crop.x0 + tile_width - 1) / tile_width;
+  const int rows = (crop.y1 - crop.y0 + kTileSize - 1) / kTileSize;
+  std::mutex mutex;  // of stats
+  parallel_for(static_cast<size_t>(columns) * static_cast<size_t>(rows), 1, [&](size_t first_tile, size_t last_tile) {
+    const auto worker = integrator.make_worker();
+    PixelSum sum(shot.background, count_meshes);
+    for (size_t tile = first_tile; tile < last_tile; ++tile) {
+      const int left = crop.x0 + static_cast<int>(tile % static_cast<size_t>(columns)) * tile_width;
+      const int top = crop.y0 + static_cast<int>(tile / static_cast<size_t>(columns)) * kTileSize;
+      for (int y = top; y < std::min(top + kTileSize, crop.y1); ++y)
+        for (int x = left; x < std::min(left + tile_width, crop.x1); ++x) {
+          sum.clear();
+          worker->render_pixel(x, y, sum, monitor);
+          film.set(x, y, sum);
+          monitor.finish_pixel();
+        }
+    }
+    const std::lock_guard<std::mutex> lock(mutex);
+    worker->add_counts(stats);
+  });
+}
+
+std::string calibration_text(const std::optional<Calibration>& calibration) {
+  if (!calibration) return "default";
+  // As many digits as tell numbers apart: the picture depends on them.
+  const auto number = [](double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.17g", value);
+    return std::string(text);
+  };
+  std::string text =
+      "discrete_sample " + number(calibration->discrete_sample) + ", still_ray " + number(calibration->still_ray);
+  for (size_t i = 0; i < Calibration::kRays.size(); ++i)
+    text += ", tc_ray of " + std::to_string(Calibration::kRays[i]) + " " + number(calibration->tc_ray[i]);
+  return text + " ns";
+}
+
+void describe(Image& image, const Shot& shot, const RenderParams& params, const RenderStats& stats, int samples) {
+  const auto put = [&](const char* name, auto value) { image.attributes.push_back({name, value}); };
+  put("kairos:version", std::string(version()));
+  if (!shows_bounds(params.shading))
+    put("kairos:integrator", std::string(name_of(kIntegratorNames, params.integrator)));
+  put("kairos:samples", samples);
+  if (params.integrator == IntegratorKind::mixed) put("kairos:tc_rays", params.tc_rays);
+  if (params.integrator != IntegratorKind::qmc) {
+    put("kairos:shading_samples", params.shading_samples);
+    put("kairos:clusters", std::string(name_of(kClustersNames, shading_options(params).clusters)));
+  }
+  if (params.integrator == IntegratorKind::automatic) put("kairos:calibration", calibration_text(params.calibration));
+  put("kairos:sampler", std::string(name_of(kSamplerNames, params.sampler)));
+  put("kairos:shading", std::string(name_of(kAllShadingNames, params.shading)));
+  if (params.shading == ShadingKind::whitted) put("kairos:max_depth", params.max_depth);
+  put("kairos:filter", std::string(name_of(kFilterNames, params.filter)));
+  put("kairos:seed", std::to_string(params.seed));
+  put("kairos:shutter", std::array<double, 2>{shot.shutter_open, shot.shutter_close});
+  put("kairos:render_seconds", stats.render_seconds);
+  if (image.find("mesh.id") != nullptr) {
+    std::vector<std::string> names;
+    for (const Mesh& mesh : shot.meshes) names.push_back(mesh.name);
+    put("kairos:mesh_names", names);
+  }
+}
+
+}  // namespace
+
+Renderer::Renderer(const Shot& shot) : parts_(std::make_unique<ShotParts>(shot)) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+Image Renderer::render(const RenderParams& params, RenderStats* stats_out, const Progress& progress) {
+  const Shot& shot = parts_->shot();
+  const Crop crop = params.crop.value_or(Crop{0, shot.projection.width, 0, shot.projection.height});
+  check(shot.projection, params, crop);
+  const bool want_normal = std::find(params.aovs.begin(), params.aovs.end(), Aov::normal) != params.aovs.end();
+  Film film(shot.projection.width, shot.projection.height, crop, params.aovs);
+
+  const ThreadLimit limit(params.threads);
+  RenderStats stats;
+  stats.threads = thread_count();
+  const bool want_variation =
+      params.integrator != IntegratorKind::qmc && shading_options(params).clusters == Clusters::pixel;
+  const Shader& shader =
+      parts_->shader(params.shading, want_normal, params.max_depth, params.discrete_keys, want_variation);
+  auto start = std::chrono::steady_clock::now();
+  const PixelContext context{CameraRays(shot.projection), Sampler(params.sampler, point_count(params), params.seed),
+                             PixelFilter(params.filter), shader};
+  const double own_seconds = seconds_since(start);  // of this picture alone
+  const auto integrator = make_integrator(*parts_, params, context, stats);
+  stats.parts = parts_->take_build_seconds();
+  stats.build_seconds = stats.parts.sum() + own_seconds;
+
+  start = std::chrono::steady_clock::now();
+  const std::clock_t cpu_start = std::clock();
+  const auto cpu_seconds = [&] { return static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC; };
+  Monitor monitor(progress, static_cast<uint64_t>(crop.x1 - crop.x0) * static_cast<uint64_t>(crop.y1 - crop.y0));
+  integrator->prepare(monitor, stats);
+  stats.prepare_seconds = seconds_since(start);
+  stats.prepare_cpu_seconds = cpu_seconds();
+  render_tiles(*integrator, shot, params, crop, monitor, film, stats);
+  monitor.finish();
+  stats.render_seconds = seconds_since(start);
+  stats.render_cpu_seconds = cpu_seconds();
+
+  Image image = film.take();
+  describe(image, shot, params, stats, sample_count(params));
+  if (stats_out != nullptr) *stats_out = stats;
+  return image;
+}
+
+Calibration Renderer::calibrate(const RenderParams& params, const Progress& progress) {
+  const Projection& frame = parts_->shot().projection;
+  check(frame, params, {0, frame.width, 0, frame.height});
+  const ThreadLimit limit(params.threads);  // of what is built; measuring takes one
+  return measure_rays(*parts_, params, progress);
+}
+
+Image render(const Shot& shot, const RenderParams& params, RenderStats* stats, const Progress& progress) {
+  return Renderer(shot).render(params, stats, progress);
+}
+
+}  // namespace kairos

@@ -1,0 +1,229 @@
+#include "scene_io/gltf/gltf.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/file.h"
+#include "scene_io/gltf/document.h"
+#include "scene_io/gltf/motion.h"
+#include "scene_io/gltf/nodes.h"
+#include "scene_io/gltf/primitive.h"
+#include "scene_io/gltf/surface.h"
+
+namespace kairos {
+
+namespace {
+
+using namespace gltf;
+
+// A GLB cannot be larger: it counts its bytes in 32 bits.
+constexpr uint64_t kMaxFileBytes = uint64_t{1} << 32;
+
+/// "name", "name.1", "name.2", ... in the order asked for.
+class UniqueNames {
+ public:
+  std::string make(const std::string& name) {
+    std::string result = name;
+    for (size_t& next = next_[name]; !used_.insert(result).second;) result = fmt::format("{}.{}", name, ++next);
+    return result;
+  }
+
+ private:
+  std::map<std::string, size_t> next_;
+  std::set<std::string> used_;
+};
+
+std::string first_of(const std::string& a, const std::string& b, const std::string& otherwise) {
+  return printable(!a.empty() ? a : !b.empty() ? b : otherwise);
+}
+
+class SceneReader {
+ public:
+  SceneReader(Document document, const LoadOptions& options)
+      : document_(std::move(document)), options_(options), warnings_(document_.name, options.strict) {}
+
+  Scene read() {
+    check_extensions(document_, warnings_);
+    auto graph = std::make_shared<NodeGraph>(document_);
+    play_animation(document_, options_.animation, *graph, warnings_);
+    for (const auto& animation : document_.model.animations) scene_.animations.push_back(printable(animation.name));
+    graph_ = std::move(graph);
+    read_materials(document_, scene_, warnings_);
+    const std::vector<int> nodes = nodes_of_scene();
+    for (int node : nodes) {
+      add_meshes(node);
+      add_camera(node);
+    }
+    add_lights(nodes);
+    scene_.warnings = warnings_.lines();
+    return std::move(scene_);
+  }
+
+ private:
+  /// Roots of the scene that the options name; without any scene in the file, of everything.
+  std::vector<int> roots() const {
+    const auto& scenes = document_.model.scenes;
+    std::vector<std::string> names;
+    names.reserve(scenes.size());
+    for (const auto& scene : scenes) names.push_back(scene.name);
+    int index = document_.model.defaultScene;
+    if (!options_.gltf_scene.empty()) {
+      index = find_by_name_or_index(names, options_.gltf_scene);
+      if (index < 0)
+        throw Error(ErrorCode::bad_usage, document_.name,
+                    "has no scene '" + printable(options_.gltf_scene) + "'; it has: " + listed(names));
+    }
+    if (index >= 0 && static_cast<size_t>(index) >= scenes.size())
+      document_.fail("scene", fmt::format("names scene {}, but there are {}", index, scenes.size()));
+    if (!scenes.empty()) return scenes[static_cast<size_t>(std::max(index, 0))].nodes;
+    std::vector<int> result;
+    for (size_t i = 0; i < graph_->nodes.size(); ++i)
+      if (graph_->nodes[i].parent < 0) result.push_back(static_cast<int>(i));
+    return result;
+  }
+
+  /// All nodes of the scene, parents before children and siblings in the file's order.
+  std::vector<int> nodes_of_scene() const {
+    std::vector<int> stack = roots(), result;
+    for (int root : stack)
+      if (root < 0 || static_cast<size_t>(root) >= graph_->nodes.size())
+        document_.fail("scenes", fmt::format("a scene names node {}, but there are {}", root, graph_->nodes.size()));
+    std::reverse(stack.begin(), stack.end());
+    std::vector<bool> seen(graph_->nodes.size(), false);
+    while (!stack.empty()) {
+      const auto node = static_cast<size_t>(stack.back());
+      stack.pop_back();
+      if (seen[node]) continue;
+      seen[node] = true;
+      result.push_back(static_cast<int>(node));
+      const auto& children = document_.model.nodes[node].children;
+      stack.insert(stack.end(), children.rbegin(), children.rend());
+    }
+    return result;
+  }
+
+  void add_meshes(int node) {
+    const tinygltf::Node& source = document_.model.nodes[static_cast<size_t>(node)];
+    const std::string where = at("nodes", static_cast<size_t>(node));
+    if (source.mesh < 0) return;
+    const auto& meshes = document_.model.meshes;
+    if (static_cast<size_t>(source.mesh) >= meshes.size())
+      document_.fail(where, fmt::format("names mesh {}, but there are {}", source.mesh, meshes.size()));
+    const tinygltf::Mesh& mesh = meshes[static_cast<size_t>(source.mesh)];
+    const std::string name = first_of(source.name, mesh.name, fmt::format("mesh{}", source.mesh));
+    for (const auto& primitive : primitives_of(static_cast<size_t>(source.mesh))) {
+      if (primitive->triangles.empty()) continue;
+      const auto motion =
+          std::make_shared<const MeshMotion>(graph_, node, primitive, skin_for(source, *primitive, where),
+                                             source.weights.empty() ? mesh.weights : source.weights);
+      SceneMesh result;
+      result.name = names_.make(name);
+      document_.charge(primitive->triangles.size() * (sizeof(Triangle) + sizeof(uint32_t)) +
+                           primitive->uvs.size() * sizeof(Vec2f) + sizeof(SceneMesh),
+                       where);
+      result.triangles = primitive->triangles;
+      if (motion->mirrors())
+        for (Triangle& triangle : result.triangles) std::swap(triangle[1], triangle[2]);
+      result.uvs = primitive->uvs;
+      result.prim_ids = primitive->prim_ids;
+      result.material = material_of(*primitive, source.mesh);
+      result.motion = motion;
+      scene_.meshes.push_back(std::move(result));
+    }
+  }
+
+  /// Those of them that can be traced; read once, however many nodes use them.
+  const std::vector<std::shared_ptr<const Primitive>>& primitives_of(size_t mesh) {
+    const auto [found, is_new] = primitives_.try_emplace(mesh);
+    if (is_new) {
+      const auto& sources = document_.model.meshes[mesh].primitives;
+      for (size_t i = 0; i < sources.size(); ++i)
+        if (auto primitive =
+                read_primitive(document_, sources[i], at("meshes", mesh) + "." + at("primitives", i), warnings_))
+          found->second.push_back(std::move(primitive));
+    }
+    return found->second;
+  }
+
+  std::shared_ptr<const Skin> skin_for(const tinygltf::Node& source, const Primitive& primitive,
+                                       const std::string& where) {
+    if (source.skin < 0) return nullptr;
+    if (static_cast<size_t>(source.skin) >= document_.model.skins.size())
+      document_.fail(where, fmt::format("names skin {}, but there are {}", source.skin, document_.model.skins.size()));
+    if (!primitive.is_skinned()) {
+      warnings_.add(where, "the skin of a mesh without joints and weights is left out");
+      return nullptr;
+    }
+    auto& skin = skins_[source.skin];
+    if (!skin) skin = std::make_shared<const Skin>(read_skin(document_, static_cast<size_t>(source.skin), *graph_));
+    if (primitive.joint_count > skin->joints.size())
+      document_.fail(where, fmt::format("its mesh uses joint {}, but its skin has {}", primitive.joint_count - 1,
+                                        skin->joints.size()));
+    return skin;
+  }
+
+  uint32_t material_of(const Primitive& primitive, int mesh) const {
+    const size_t count = document_.model.materials.size();
+    if (primitive.material < 0) return static_cast<uint32_t>(count);  // glTF's default stands behind the others
+    if (static_cast<size_t>(primitive.material) >= count)
+      document_.fail(at("meshes", static_cast<size_t>(mesh)),
+                     fmt::format("names material {}, but there are {}", primitive.material, count));
+    return static_cast<uint32_t>(primitive.material);
+  }
+
+  void add_camera(int node) {
+    const tinygltf::Node& source = document_.model.nodes[static_cast<size_t>(node)];
+    if (source.camera < 0) return;
+    const auto& cameras = document_.model.cameras;
+    if (static_cast<size_t>(source.camera) >= cameras.size())
+      document_.fail(at("nodes", static_cast<size_t>(node)),
+                     fmt::format("names camera {}, but there are {}", source.camera, cameras.size()));
+    const auto index = static_cast<size_t>(source.camera);
+    SceneCamera camera = read_camera(document_, index);
+    camera.name = camera_names_.make(first_of(source.name, cameras[index].name, fmt::format("camera{}", index)));
+    camera.motion = std::make_shared<const CameraMotion>(graph_, node);
+    scene_.cameras.push_back(std::move(camera));
+  }
+
+  void add_lights(const std::vector<int>& nodes) {
+    if (document_.model.lights.empty()) return;
+    std::vector<Mat4> world;
+    constexpr double kEver = std::numeric_limits<double>::infinity();
+    for (int node : nodes) {
+      world.push_back(graph_->world_at_rest(node));
+      const auto& extensions = document_.model.nodes[static_cast<size_t>(node)].extensions;
+      if (extensions.count("KHR_lights_punctual") && !graph_->is_static(node, -kEver, kEver))
+        warnings_.add(at("nodes", static_cast<size_t>(node)), "a light that moves is kept where it is at rest");
+    }
+    scene_.lights = read_lights(document_, nodes, world, warnings_);
+  }
+
+  Document document_;
+  const LoadOptions& options_;
+  Warnings warnings_;
+  std::shared_ptr<const NodeGraph> graph_;
+  std::map<size_t, std::vector<std::shared_ptr<const Primitive>>> primitives_;
+  std::map<int, std::shared_ptr<const Skin>> skins_;
+  UniqueNames names_, camera_names_;
+  Scene scene_;
+};
+
+}  // namespace
+
+Scene parse_gltf(std::span<const uint8_t> bytes, const std::string& name, const std::string& folder,
+                 const LoadOptions& options) {
+  return SceneReader(read_document(bytes, name, folder), options).read();
+}
+
+Scene load_gltf(const std::string& path, const LoadOptions& options) {
+  const std::vector<uint8_t> bytes = read_file(path, kMaxFileBytes);
+  return parse_gltf(bytes, path, parent_folder(path), options);
+}
+
+}  // namespace kairos

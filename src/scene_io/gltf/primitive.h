@@ -1,0 +1,48 @@
+// One primitive of a glTF mesh as plain arrays: what all of its instances share.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <kairos/mesh.h>
+
+#include "scene_io/gltf/document.h"
+
+namespace kairos::gltf {
+
+struct MorphTarget {
+  std::vector<Vec3f> positions, normals;  ///< displacements: empty, or one per vertex
+};
+
+struct Influence {
+  uint32_t joint;  ///< index into the skin's joints
+  float weight;    ///< those of a vertex sum to 1
+};
+
+struct Primitive {
+  std::vector<Vec3f> positions;
+  std::vector<Vec3f> normals;  ///< empty, or one per vertex; not zero
+  std::vector<Vec2f> uvs;      ///< empty, or one per vertex
+  std::vector<MorphTarget> targets;
+  std::vector<uint32_t> influence_begin;  ///< empty, or one per vertex and the end: ranges in `influences`
+  std::vector<Influence> influences;
+  uint32_t joint_count = 0;  ///< how many joints a skin must have at least
+
+  std::vector<Triangle> triangles;  ///< indices below the number of vertices
+  std::vector<uint32_t> prim_ids;   ///< as Mesh::prim_ids
+  int material = -1;
+
+  bool is_skinned() const { return !influence_begin.empty(); }
+};
+
+/// Null for a primitive of points or lines, or without positions (with a warning). Triangles that name vertices that
+/// do not exist are dropped with a warning. Throws Error for what cannot be used.
+std::shared_ptr<const Primitive> read_primitive(Document& document, const tinygltf::Primitive& source,
+                                                const std::string& where, Warnings& warnings);
+
+/// Triangles of a list, strip or fan (glTF's modes 4, 5, 6) of `corners`; the first one's orientation is all one's.
+std::vector<Triangle> assemble_triangles(const std::vector<uint32_t>& corners, int mode);
+
+}  // namespace kairos::gltf

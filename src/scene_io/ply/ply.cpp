@@ -1,0 +1,182 @@
+#include "scene_io/ply/ply.h"
+
+#include <array>
+#include <bit>
+
+#include <fmt/format.h>
+
+#include <kairos/error.h>
+
+#include "scene_io/ply/header.h"
+#include "scene_io/ply/source.h"
+
+namespace kairos {
+
+namespace {
+
+enum Slot { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kSlots };
+constexpr int kNoSlot = -1;
+
+int slot_of(const PlyProperty& property) {
+  struct Known {
+    std::string_view name;
+    Slot slot;
+  };
+  constexpr Known kKnown[] = {{"x", kX},         {"y", kY},         {"z", kZ},         {"nx", kNx},      {"ny", kNy},
+                              {"nz", kNz},       {"u", kU},         {"v", kV},         {"s", kU},        {"t", kV},
+                              {"texture_u", kU}, {"texture_v", kV}, {"texture_s", kU}, {"texture_t", kV}};
+  if (!property.is_list)
+    for (const Known& known : kKnown)
+      if (known.name == property.name) return known.slot;
+  return kNoSlot;
+}
+
+uint32_t to_index(double number) {
+  const bool usable = number >= 0 && number < static_cast<double>(kMaxIndices);  // false for NaN
+  const auto index = usable ? static_cast<uint32_t>(number) : kBadIndex;
+  return usable && index == number ? index : kBadIndex;
+}
+
+template <class Source>
+class BodyParser {
+ public:
+  BodyParser(Source source, const std::string& path) : source_(source) { mesh_.path = path; }
+
+  PolygonMesh parse(const PlyHeader& header) {
+    mesh_.warnings = header.warnings;
+    bool has_vertices = false;
+    for (const PlyElement& element : header.elements) {
+      if (element.properties.empty()) continue;  // takes no room in the file, whatever its count
+      check_room(element);
+      if (element.name == "vertex") {
+        if (has_vertices) fail("has a second element 'vertex'");
+        has_vertices = true;
+        read_vertices(element);
+      } else if (element.name == "face") {
+        read_faces(element, false);
+      } else if (element.name == "tristrips") {
+        read_faces(element, true);
+      } else {
+        for (uint64_t i = 0; i < element.count; ++i)
+          for (const PlyProperty& property : element.properties) skip(property);
+      }
+    }
+    if (!has_vertices) fail("has no element 'vertex'");
+    return std::move(mesh_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const { throw Error(ErrorCode::bad_input, mesh_.path, what); }
+
+  /// Before any memory is taken for it: does the file have room for what the header promises?
+  void check_room(const PlyElement& element) const {
+    uint64_t size = 0;
+    for (const PlyProperty& property : element.properties)
+      size += Source::min_size(property.is_list ? property.count_type : property.type);
+    if (element.count > source_.room(size))
+      fail(fmt::format("is too short for its {} elements '{}'", element.count, printable(element.name)));
+  }
+
+  void skip(const PlyProperty& property) {
+    const uint64_t count = property.is_list ? list_size(property) : 1;
+    if (count > source_.room(property.type)) fail("ends before the last of its elements");
+    source_.skip(property.type, count);
+  }
+
+  uint64_t list_size(const PlyProperty& property) {
+    const double size = source_.number(property.count_type);
+    if (!(size >= 0 && size <= 4294967295.0) || size != std::floor(size))
+      fail(fmt::format("a list '{}' of length {}", printable(property.name), size));
+    const auto count = static_cast<uint64_t>(size);
+    if (count > source_.room(property.type))
+      fail(fmt::format("is too short for a list '{}' of length {}", printable(property.name), count));
+    return count;
+  }
+
+  void read_vertices(const PlyElement& element) {
+    std::vector<int> slots;
+    std::array<bool, kSlots> has{};
+    for (const PlyProperty& property : element.properties) {
+      slots.push_back(slot_of(property));
+      if (slots.back() != kNoSlot) has[static_cast<size_t>(slots.back())] = true;
+    }
+    if (!has[kX] || !has[kY] || !has[kZ]) fail("its vertices lack one of x, y, z");
+    if (element.count > kMaxIndices) fail("has more than 2^32 vertices");
+    const bool normals = has[kNx] && has[kNy] && has[kNz], uvs = has[kU] && has[kV];
+    mesh_.positions.reserve(element.count);
+    if (normals) mesh_.normals.reserve(element.count);
+    if (uvs) mesh_.uvs.reserve(element.count);
+    std::array<float, kSlots> row{};
+    for (uint64_t i = 0; i < element.count; ++i) {
+      for (size_t p = 0; p < slots.size(); ++p) {
+        if (slots[p] == kNoSlot)
+          skip(element.properties[p]);
+        else
+          row[static_cast<size_t>(slots[p])] = source_.real(element.properties[p].type);
+      }
+      mesh_.positions.push_back({row[kX], row[kY], row[kZ]});
+      if (normals) mesh_.normals.push_back({row[kNx], row[kNy], row[kNz]});
+      if (uvs) mesh_.uvs.push_back({row[kU], row[kV]});
+    }
+  }
+
+  void read_faces(const PlyElement& element, bool strips) {
+    for (uint64_t i = 0; i < element.count; ++i)
+      for (const PlyProperty& property : element.properties) {
+        if (!property.is_list || (property.name != "vertex_indices" && property.name != "vertex_index"))
+          skip(property);
+        else if (strips)
+          read_strip(property);
+        else
+          read_face(property);
+      }
+  }
+
+  void read_face(const PlyProperty& property) {
+    const uint64_t size = list_size(property);
+    for (uint64_t k = 0; k < size; ++k) mesh_.corners.push_back(to_index(source_.number(property.type)));
+    mesh_.end_face(size);
+  }
+
+  void read_strip(const PlyProperty& property) {
+    uint32_t a = 0, b = 0;
+    uint64_t in_strip = 0;
+    for (uint64_t k = list_size(property); k > 0; --k) {
+      const double number = source_.number(property.type);
+      if (number == -1) {
+        in_strip = 0;
+        continue;
+      }
+      const uint32_t c = to_index(number);
+      if (in_strip >= 2) {  // every other triangle is wound the other way round
+        const bool odd = in_strip % 2 == 1;
+        for (const uint32_t v : {odd ? b : a, odd ? a : b, c}) mesh_.corners.push_back(v);
+        mesh_.end_face(3);
+      }
+      a = b;
+      b = c;
+      ++in_strip;
+    }
+  }
+
+  Source source_;
+  PolygonMesh mesh_;
+};
+
+template <class Source>
+PolygonMesh parse_body(std::string_view body, const PlyHeader& header, const std::string& path) {
+  return BodyParser<Source>(Source(body, path), path).parse(header);
+}
+
+}  // namespace
+
+PolygonMesh parse_ply(std::string_view file, const std::string& path) {
+  const PlyHeader header = parse_ply_header(file, path);
+  const std::string_view body = file.substr(header.size);
+  if (header.format == PlyFormat::ascii) return parse_body<PlyAsciiSource>(body, header, path);
+  const bool little = header.format == PlyFormat::little_endian;
+  return little == (std::endian::native == std::endian::little) ? parse_body<PlyBinarySource<false>>(body, header, path)
+                                                                : parse_body<PlyBinarySource<true>>(body, header, path);
+}
+
+}  // namespace kairos

@@ -1,0 +1,188 @@
+// From the visibility segments of a packet of rays to segments with colours: shared by the integrators that trace
+// time-continuous rays.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "math/hash.h"
+#include "pixel/shaded_segment.h"
+#include "shading/segment_shading.h"
+#include "shading/shader.h"
+#include "shading/spread.h"
+
+namespace kairos {
+
+/// One thread's scratch memory. docs/method.md, "Shading samples".
+class PacketShading {
+ public:
+  PacketShading(const Shader& shader, ShadingOptions options)
+      : shader_(shader), options_(options), single_(shader, options) {}
+
+  /// The rays of a pixel that are shaded together, as they were traced together.
+  struct Packet {
+    std::span<const Ray> rays;
+    std::span<const SeenByRay> seen;
+    std::span<const float> phases;  ///< one per ray, see spread_samples
+    uint64_t pixel_seed;
+    uint32_t first;  ///< number of the first ray within its pixel
+  };
+
+  /// Appends the shaded parts of all rays' segments to `out`, ray by ray, and for each ray to `ends` the size of `out`
+  /// after it. The parts of a ray cover exactly what its segments cover, and each is part of one of them.
+  void shade(const Packet& packet, std::vector<ShadedSegment>& out, std::vector<size_t>& ends) {
+    const bool layered = shader_.has_sky() || std::any_of(packet.seen.begin(), packet.seen.end(),
+                                                          [](const SeenByRay& ray) { return !ray.veils.empty(); });
+    if (options_.clusters == Clusters::pixel && !layered) return shade_together(packet, out, ends);
+    for (size_t i = 0; i < packet.rays.size(); ++i) {
+      single_.shade(packet.rays[i], packet.seen[i].segments, packet.seen[i].veils, packet.pixel_seed,
+                    packet.first + static_cast<uint32_t>(i), packet.phases[i], out);
+      ends.push_back(out.size());
+    }
+  }
+
+  uint64_t evaluations() const { return single_.evaluations() + evaluations_; }
+
+ private:
+  /// All that the packet's rays see of one triangle, laid end to end: ray by ray, in time order.
+  struct Group {
+    uint32_t mesh, triangle;
+    float first, last;        ///< when it is seen first, and last
+    uint32_t segments = 0;    ///< how many
+    float time = 0;           ///< their durations' sum
+    float passed = 0;         ///< of it, in a walk over all segments
+    uint32_t parts = 1;       ///< equal ones, with a shading sample each
+    uint32_t part = 0;        ///< in a walk: the next one
+    uint32_t first_look = 0;  ///< of parts
+    float phase = 0;          ///< where in its part a sample lies
+
+    float part_end(uint32_t index) const { return time * (static_cast<float>(index + 1) / static_cast<float>(parts)); }
+  };
+
+  void shade_together(const Packet& packet, std::vector<ShadedSegment>& out, std::vector<size_t>& ends) {
+    group_by_triangle(packet);
+    place_samples(packet);
+    take_samples(packet);
+    hand_out(packet, out, ends);
+  }
+
+  void group_by_triangle(const Packet& packet) {
+    size_t count = 0;
+    for (const SeenByRay& ray : packet.seen) count += ray.segments.size();
+    const size_t slots = std::bit_ceil(2 * count + 1);
+    slots_.assign(slots, kNone);
+    groups_.clear();
+    group_of_.clear();
+    for (const SeenByRay& ray : packet.seen)
+      for (const Segment& segment : ray.segments) {
+        const uint64_t key = static_cast<uint64_t>(segment.mesh) << 32 | segment.triangle;
+        size_t slot = static_cast<size_t>((key * kHashFactor) >> 32) & (slots - 1);
+        while (slots_[slot] != kNone &&
+               !(groups_[slots_[slot]].triangle == segment.triangle && groups_[slots_[slot]].mesh == segment.mesh))
+          slot = (slot + 1) & (slots - 1);
+        if (slots_[slot] == kNone) {
+          slots_[slot] = static_cast<uint32_t>(groups_.size());
+          groups_.push_back({segment.mesh, segment.triangle, segment.begin, segment.end});
+        }
+        Group& group = groups_[slots_[slot]];
+        group.first = std::min(group.first, segment.begin);
+        group.last = std::max(group.last, segment.end);
+        group.time += segment.duration();
+        ++group.segments;
+        group_of_.push_back(slots_[slot]);
+      }
+  }
+
+  /// To a group as many samples as are in proportion to its time and to how much its colours differ, and at least one.
+  void place_samples(const Packet& packet) {
+    const float samples = static_cast<float>(options_.samples) * kVariationScale;
+    float phase = unit_float(hash(packet.pixel_seed, packet.first, kPhaseDimension));
+    uint32_t looks = 0;
+    for (Group& group : groups_) {
+      const float variation = shader_.variation(group.mesh, group.triangle, group.last - group.first);
+      const float wanted = std::ceil(samples * variation * group.time);
+      const float most = static_cast<float>(options_.samples) * static_cast<float>(group.segments);
+      group.parts = static_cast<uint32_t>(std::clamp(wanted, 1.0f, most));
+      group.first_look = looks;
+      group.phase = phase;
+      looks += group.parts;
+      phase += kGoldenShare;  // groups' samples lie at different fractions, spread evenly
+      phase -= phase >= 1 ? 1.0f : 0.0f;
+    }
+    looks_.resize(looks);
+    evaluations_ += looks;
+  }
+
+  /// Shades every part of every group at one instant of one of its segments.
+  void take_samples(const Packet& packet) {
+    if (key_.seed != packet.pixel_seed) key_ = {packet.pixel_seed, kFirstKey};
+    auto index = group_of_.begin();
+    for (size_t r = 0; r < packet.rays.size(); ++r)
+      for (const Segment& segment : packet.seen[r].segments) {
+        Group& group = groups_[*index++];
+        const float passed = group.passed + segment.duration();
+        const bool last = --group.segments == 0;  // takes what rounding has left over
+        while (group.part < group.parts) {
+          const float place =
+              group.time * ((static_cast<float>(group.part) + group.phase) / static_cast<float>(group.parts));
+          if (!last && place >= passed) break;
+          // Half-open: at its very end something else is seen.
+          const float latest = std::nextafter(segment.end, 0.0f);
+          const float time = std::max(segment.begin, std::min(segment.begin + (place - group.passed), latest));
+          looks_[group.first_look + group.part++] =
+              shader_.shade(packet.rays[r], segment.mesh, segment.triangle, time, key_);
+          ++key_.index;
+        }
+        group.passed = passed;
+      }
+    for (Group& group : groups_) group.passed = group.part = 0;
+  }
+
+  void hand_out(const Packet& packet, std::vector<ShadedSegment>& out, std::vector<size_t>& ends) {
+    auto index = group_of_.begin();
+    for (size_t r = 0; r < packet.rays.size(); ++r) {
+      for (const Segment& segment : packet.seen[r].segments) {
+        Group& group = groups_[*index++];
+        if (group.parts == 1) {
+          out.push_back(part_of(segment, segment.begin, segment.end, looks_[group.first_look]));
+          continue;
+        }
+        float begin = segment.begin;
+        for (; group.part + 1 < group.parts; ++group.part) {
+          const float end = segment.begin + (group.part_end(group.part) - group.passed);
+          if (!(end < segment.end)) break;
+          if (!(begin < end)) continue;
+          out.push_back(part_of(segment, begin, end, looks_[group.first_look + group.part]));
+          begin = end;
+        }
+        out.push_back(part_of(segment, begin, segment.end, looks_[group.first_look + group.part]));
+        group.passed += segment.duration();
+      }
+      ends.push_back(out.size());
+    }
+  }
+
+  static constexpr uint32_t kFirstKey = 1u << 31;  // keys below are those of rays that are shaded by themselves
+  static constexpr uint32_t kNone = 0xffffffffu;
+  static constexpr uint64_t kHashFactor = 0x9e3779b97f4a7c15u;  // 2^64 over the golden ratio
+  /// Where colours differ by more than 1 / this, a group gets more samples than options_.samples for each ray that sees
+  /// it all the time; where by less, fewer.
+  static constexpr float kVariationScale = 4;
+  static constexpr float kGoldenShare = 0.618034f;
+  static constexpr uint64_t kPhaseDimension = 4;  // beside x, y, time and single rays' shares
+
+  const Shader& shader_;
+  ShadingOptions options_;
+  SegmentShading single_;
+  std::vector<uint32_t> slots_;     // [hash]: number of a group
+  std::vector<Group> groups_;       // in order of first sight
+  std::vector<uint32_t> group_of_;  // [segment, ray by ray]
+  std::vector<Shade> looks_;        // [Group::first_look + part]
+  SampleKey key_;                   // of the next shading sample: numbered through each pixel
+  uint64_t evaluations_ = 0;
+};
+
+}  // namespace kairos

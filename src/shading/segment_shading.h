@@ -1,0 +1,73 @@
+// From a ray's visibility segments to segments with colours: shared by the integrators that trace time-continuous rays.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "math/hash.h"
+#include "pixel/shaded_segment.h"
+#include "shading/layer_shading.h"
+#include "shading/shader.h"
+#include "shading/spread.h"
+
+namespace kairos {
+
+/// Of a segment the part from `begin` to `end`, with its look.
+inline ShadedSegment part_of(const Segment& segment, float begin, float end, const Shade& shade) {
+  return {begin,
+          end,
+          distance_at(segment, begin),
+          distance_at(segment, end),
+          shade.colour,
+          shade.normal,
+          shade.albedo,
+          segment.mesh,
+          segment.triangle};
+}
+
+/// One thread's scratch memory.
+class SegmentShading {
+ public:
+  SegmentShading(const Shader& shader, ShadingOptions options) : shader_(shader), options_(options), layers_(shader) {}
+
+  /// Appends the shaded parts of the segments of ray `index` of a pixel, seen through `veils`, to `out`: they cover
+  /// exactly what the segments cover, and each is part of one of them. phase: see spread_samples.
+  void shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> veils, uint64_t pixel_seed,
+             uint32_t index, float phase, std::vector<ShadedSegment>& out) {
+    if (pixel_seed != key_.seed) key_ = {pixel_seed, 0};
+    const double share = unit_float(hash(pixel_seed, index, kShareDimension));
+    if (!veils.empty() || shader_.has_sky()) {
+      evaluations_ += layers_.shade(ray, segments, veils, options_, share, phase, key_, out);
+      return;
+    }
+    spread_samples(
+        segments, options_.samples, share, phase,
+        [&](const Segment& first, const Segment& second) {
+          return options_.clusters == Clusters::on && shader_.joined(first, second);
+        },
+        [&](const Segment& s) { return shader_.varies(s.mesh); }, samples_);
+    for (const ShadingSample& sample : samples_) {
+      const Segment& seen = segments[sample.segment];
+      const Shade shade = shader_.shade(ray, seen.mesh, seen.triangle, sample.time, key_);
+      ++key_.index;
+      for (size_t i = sample.first; i < segments.size() && segments[i].begin < sample.end; ++i)
+        out.push_back(part_of(segments[i], std::max(segments[i].begin, sample.begin),
+                              std::min(segments[i].end, sample.end), shade));
+    }
+    evaluations_ += samples_.size();
+  }
+
+  uint64_t evaluations() const { return evaluations_; }
+
+ private:
+  static constexpr uint64_t kShareDimension = 3;  // beside x, y and time
+
+  const Shader& shader_;
+  ShadingOptions options_;
+  LayerShading layers_;
+  std::vector<ShadingSample> samples_;
+  SampleKey key_;  // of the next shading sample: numbered through each pixel
+  uint64_t evaluations_ = 0;
+};
+
+}  // namespace kairos
