@@ -7,6 +7,7 @@
 
 #include <kairos/render.h>
 
+#include "integrators/integrator.h"
 #include "shading/packet_shading.h"
 #include "shading/surface.h"
 #include "soup.h"
