@@ -5,12 +5,15 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include <kairos/error.h>
 
 #include "base/parallel.h"
 #include "discrete/embree_device.h"
+#include "discrete/uneven_triangles.h"
 #include "discrete/uniform_runs.h"
 
 namespace kairos {
@@ -62,6 +65,33 @@ std::vector<Vec3f> between(const std::vector<Vec3f>& from, const std::vector<Vec
   return points;
 }
 
+/// How many sets of key times may have Embree scenes of their own, through each of which every ray goes; all others
+/// share one. Embree intersects its own triangles up to twice as fast as it asks others to.
+constexpr size_t kOwnSets = 4;
+
+/// When the scenes of a mesh begin and end.
+using Stretches = std::vector<std::pair<float, float>>;
+Stretches stretches_of(const Mesh& mesh) {
+  Stretches stretches;
+  for (const UniformRun& run : uniform_runs(mesh.key_times))
+    stretches.emplace_back(mesh.key_times[run.first], mesh.key_times[run.last]);
+  return stretches;
+}
+
+/// The sets that have scenes of their own: those of the most triangles.
+std::vector<Stretches> choose_own_sets(std::span<const Mesh> meshes) {
+  std::map<Stretches, size_t> triangles;
+  for (const Mesh& mesh : meshes)
+    if (!mesh.is_static()) triangles[stretches_of(mesh)] += mesh.triangles.size();
+  std::vector<std::pair<size_t, Stretches>> sets;
+  for (const auto& [stretches, count] : triangles) sets.emplace_back(count, stretches);
+  std::stable_sort(sets.begin(), sets.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  if (sets.size() > kOwnSets) sets.resize(kOwnSets);
+  std::vector<Stretches> own;
+  for (auto& [count, stretches] : sets) own.push_back(std::move(stretches));
+  return own;
+}
+
 /// Geometry that is there in one stretch of the shutter, which is Embree's time from 0 to 1. Embree knows time ranges
 /// of geometries too, but where they differ within one scene its version 3.13 loses triangles.
 struct Window {
@@ -80,6 +110,7 @@ struct DiscreteScene::Impl {
   EmbreeDevice device;
   std::vector<Window> windows;    // what stays still comes first, if there is any
   std::vector<uint32_t> mesh_of;  // [Embree's geometry number]; one numbering for all scenes
+  std::vector<std::unique_ptr<const UnevenTriangles>> uneven;
   DiscreteStats stats;
   std::shared_ptr<const CutOuts> cut_outs;
 
@@ -96,9 +127,15 @@ struct DiscreteScene::Impl {
       ++stats.static_geometries;
     }
     const size_t first_moving = windows.size();
+    const std::vector<Stretches> own_sets = choose_own_sets(meshes);
+    std::vector<uint32_t> others;
     for (size_t m = 0; m < meshes.size(); ++m) {
       const Mesh& mesh = meshes[m];
       if (mesh.triangles.empty() || mesh.is_static()) continue;
+      if (std::find(own_sets.begin(), own_sets.end(), stretches_of(mesh)) == own_sets.end()) {
+        others.push_back(static_cast<uint32_t>(m));
+        continue;
+      }
       for (const UniformRun& run : uniform_runs(mesh.key_times)) {
         const float run_begin = mesh.key_times[run.first], run_end = mesh.key_times[run.last];
         size_t w = first_moving;
@@ -108,6 +145,8 @@ struct DiscreteScene::Impl {
         ++stats.moving_geometries;
       }
     }
+    if (!others.empty()) add_window(0, 1, true, options);
+    for (const uint32_t m : others) attach_uneven(windows.back(), meshes[m], m, options.keys);
     stats.trees = windows.size();
     // A thread that waits for Embree's locks must not take up work that waits for them too.
     isolate([&] {
@@ -148,14 +187,22 @@ struct DiscreteScene::Impl {
     mesh_of.push_back(index);
   }
 
-  /// What Embree hands through to its filter.
-  struct Context {
-    RTCIntersectContext embree;  // first, so that a pointer to it is one to the whole
-    const Ray* rays;             // [number of the ray]
-    const float* times;
-  };
-  static Context context_of(const Ray* rays, const float* times) {
-    Context context{{}, rays, times};
+  void attach_uneven(const Window& window, const Mesh& mesh, uint32_t index, int least_steps) {
+    const CutOuts* cuts = cut_outs && cut_outs->has(index) ? cut_outs.get() : nullptr;
+    uneven.push_back(std::make_unique<const UnevenTriangles>(mesh, index, cuts, least_steps));
+    const EmbreeGeometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_USER));
+    device.check();
+    uneven.back()->fill(geometry.get());
+    rtcCommitGeometry(geometry.get());
+    rtcAttachGeometryByID(window.scene.get(), geometry.get(), static_cast<unsigned>(mesh_of.size()));
+    device.check();
+    mesh_of.push_back(index);
+    stats.moving_keys += uneven.back()->steps();
+    ++stats.moving_geometries;
+  }
+
+  static DiscreteContext context_of(const Ray* rays, const float* times) {
+    DiscreteContext context{{}, rays, times};
     rtcInitIntersectContext(&context.embree);
     return context;
   }
@@ -163,7 +210,7 @@ struct DiscreteScene::Impl {
   /// Embree asks before it takes a hit for one: refuses those on what is missing.
   static void refuse_missing(const RTCFilterFunctionNArguments* hits) {
     const auto& self = *static_cast<const Impl*>(hits->geometryUserPtr);
-    const auto& context = *reinterpret_cast<const Context*>(hits->context);
+    const auto& context = *reinterpret_cast<const DiscreteContext*>(hits->context);
     for (unsigned i = 0; i < hits->N; ++i) {
       if (hits->valid[i] != -1) continue;
       const unsigned ray = RTCRayN_id(hits->ray, hits->N, i);
@@ -186,7 +233,7 @@ struct DiscreteScene::Impl {
     query.ray.tfar = max_dist;
     query.ray.mask = ~0u;
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    Context context = context_of(&ray, &time);
+    DiscreteContext context = context_of(&ray, &time);
     for (const Window& window : windows) {  // each looks no farther than what the ones before have hit
       if (!window.holds(time)) continue;
       query.ray.time = window.local(time);
@@ -215,7 +262,7 @@ struct DiscreteScene::Impl {
       query.ray.id[i] = static_cast<unsigned>(i);
     }
     std::fill(std::begin(query.hit.geomID), std::end(query.hit.geomID), RTC_INVALID_GEOMETRY_ID);
-    Context context = context_of(rays.data(), times.data());
+    DiscreteContext context = context_of(rays.data(), times.data());
     context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     for (const Window& window : windows) {
       if (layer == DiscreteLayer::still && window.moves) continue;
@@ -271,7 +318,9 @@ void DiscreteScene::intersect(std::span<const Ray> rays, std::span<const float> 
 
 const DiscreteStats& DiscreteScene::stats() const { return impl_->stats; }
 size_t DiscreteScene::memory_bytes() const {
-  return impl_->device.memory_bytes() + impl_->mesh_of.capacity() * sizeof(uint32_t);
+  size_t bytes = impl_->device.memory_bytes() + impl_->mesh_of.capacity() * sizeof(uint32_t);
+  for (const auto& triangles : impl_->uneven) bytes += triangles->memory_bytes();
+  return bytes;
 }
 
 }  // namespace kairos

@@ -40,12 +40,13 @@ struct DiscreteStats {
   double build_seconds = 0;
   size_t static_geometries = 0, moving_geometries = 0;  ///< Embree's: a mesh may be several
   size_t moving_keys = 0;                               ///< given to Embree, over all of its moving geometries
-  size_t trees = 0;      ///< one for what stays still, one per stretch of time in which moving geometry has even keys
+  size_t trees = 0;      ///< what stays still; few sets of key times, one for each stretch of even keys; all other sets
   size_t triangles = 0;  ///< of all meshes, each counted once
 };
 
 /// The same meshes and motion keys as a Tracer's. What stays still has an Embree scene of its own, which makes rays a
-/// good deal cheaper where little moves.
+/// good deal cheaper where little moves. So have meshes with the few sets of key times that most triangles share; all
+/// others are in one, and a ray pays for those that it passes.
 ///
 /// Immutable and safe to use from many threads at once. Copies what it needs of the meshes. While Embree runs in a
 /// thread, denormals count as zero there, as it asks for; the thread's setting is put back afterwards.
