@@ -24,7 +24,8 @@ constexpr size_t kRaysPerBatch = 4096;
 struct QueryArguments {
   SceneArguments scene;
   std::string rays;
-  bool all = false;
+  bool all = false, occluded = false;
+  TraceLimits limits;
   std::optional<InstructionSet> instruction_set;
 };
 
@@ -34,14 +35,26 @@ class Answerer {
   Answerer(const Shot& shot, const QueryArguments& arguments)
       : shot_(shot),
         visibility_(arguments.all ? Visibility::all : Visibility::visible),
+        occluded_(arguments.occluded),
+        limits_(arguments.limits),
         tracer_(shot.meshes, {Precision::exact, arguments.instruction_set}) {
     for (const Mesh& mesh : shot.meshes)
       names_.push_back(nlohmann::json(mesh.name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   }
 
   void answer(const std::vector<Ray>& rays) {
-    const SegmentBatch batch = tracer_.trace(rays, visibility_);
     text_.clear();
+    if (occluded_)
+      say_occluded(rays);
+    else
+      say_segments(rays);
+    if (std::fwrite(text_.data(), 1, text_.size(), stdout) != text_.size() || std::fflush(stdout) != 0)
+      throw Error(ErrorCode::io, "standard output", std::string("cannot be written: ") + std::strerror(errno));
+  }
+
+ private:
+  void say_segments(const std::vector<Ray>& rays) {
+    const SegmentBatch batch = tracer_.trace(rays, visibility_, nullptr, limits_);
     for (size_t i = 0; i < rays.size(); ++i) {
       text_.append(std::string_view("{\"segments\": ["));
       bool first = true;
@@ -57,14 +70,26 @@ class Answerer {
       }
       text_.append(std::string_view("]}\n"));
     }
-    if (std::fwrite(text_.data(), 1, text_.size(), stdout) != text_.size() || std::fflush(stdout) != 0)
-      throw Error(ErrorCode::io, "standard output", std::string("cannot be written: ") + std::strerror(errno));
+  }
+  void say_occluded(const std::vector<Ray>& rays) {
+    for (const Ray& ray : rays) {
+      text_.append(std::string_view("{\"occluded\": ["));
+      bool first = true;
+      for (const TimeRange& range : tracer_.occluded(ray, workspace_, limits_)) {
+        fmt::format_to(std::back_inserter(text_), "{}{{\"begin\": {}, \"end\": {}}}", first ? "" : ", ", range.begin,
+                       range.end);
+        first = false;
+      }
+      text_.append(std::string_view("]}\n"));
+    }
   }
 
- private:
   const Shot& shot_;
   Visibility visibility_;
+  bool occluded_;
+  TraceLimits limits_;
   Tracer tracer_;
+  Tracer::Workspace workspace_;
   std::vector<std::string> names_;  // as JSON
   fmt::memory_buffer text_;
 };
@@ -85,6 +110,19 @@ void answer_all(RayReader& reader, Answerer& answerer) {
     throw;
   }
   if (!rays.empty()) answerer.answer(rays);
+}
+
+void read_window(const std::string& text, TraceLimits& limits) {
+  const auto parts = split("--window", text, ',', 2, "BEGIN,END");
+  limits.window_begin = static_cast<float>(parse_real("--window", parts[0]));
+  limits.window_end = static_cast<float>(parse_real("--window", parts[1]));
+  if (!(limits.window_begin >= 0 && limits.window_begin < limits.window_end && limits.window_end <= 1))
+    throw CLI::ValidationError("--window", "is not inside the shutter; give 0 <= BEGIN < END <= 1");
+}
+
+void read_max_dist(const std::string& text, TraceLimits& limits) {
+  limits.max_dist = static_cast<float>(parse_real("--max-dist", text));
+  if (!(limits.max_dist > 0)) throw CLI::ValidationError("--max-dist", "is not positive; give how far rays look");
 }
 
 void run_query(QueryArguments arguments) {
@@ -115,7 +153,17 @@ void add_query_command(CLI::App& app, Action& chosen) {
                   "One ray a line: ox oy oz dx dy dz, in world space; - reads standard input")
       ->type_name("FILE|-")
       ->required();
-  command.add_flag("--all", arguments->all, "Every triangle met, hidden or not");
+  auto* all = command.add_flag("--all", arguments->all, "Every triangle met, hidden or not");
+  command.add_flag("--occluded", arguments->occluded, "Only when anything is met")->excludes(all);
+  const auto add = [&](const char* name, const char* form, void (*read)(const std::string&, TraceLimits&),
+                       const char* help) {
+    command
+        .add_option_function<std::string>(
+            name, [arguments, read](const std::string& text) { read(text, arguments->limits); }, help)
+        ->type_name(form);
+  };
+  add("--window", "BEGIN,END", read_window, "Only this part of the shutter, 0 to 1");
+  add("--max-dist", "DIST", read_max_dist, "Only up to this distance, in units of the direction's length");
   add_instruction_set(command, arguments->instruction_set);
   command.callback([arguments, &chosen] {
     arguments->scene.shot.textures = false;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -47,6 +48,23 @@ enum class Precision {
 enum class Visibility {
   visible,  ///< disjoint segments in time order: what is nearest, and when
   all,      ///< every triangle met, hidden or not; ordered by begin, then mesh, then triangle
+};
+
+/// A stretch of shutter time, [begin, end).
+struct TimeRange {
+  float begin = 0, end = 1;
+};
+
+/// When a ray looks, and how far. Of what it meets only the part inside is given, cut exactly. Throws Error(bad_usage)
+/// wherever it is given: when it isn't 0 <= window_begin < window_end <= 1 and max_dist > 0.
+struct TraceLimits {
+  float window_begin = 0, window_end = 1;                   ///< shutter time
+  float max_dist = std::numeric_limits<float>::infinity();  ///< in units of the direction's length
+
+  /// True when nothing is left out.
+  bool is_everything() const {
+    return window_begin == 0 && window_end == 1 && max_dist == std::numeric_limits<float>::infinity();
+  }
 };
 
 /// Work done, summed over rays. Exact: the same for any number of threads.
@@ -131,7 +149,13 @@ class Tracer {
 
   /// The segments of one ray; the span lives in the workspace until its next use. A ray that is not finite, or has no
   /// direction, meets nothing.
-  std::span<const Segment> trace(const Ray& ray, Visibility visibility, Workspace& workspace) const;
+  std::span<const Segment> trace(const Ray& ray, Visibility visibility, Workspace& workspace,
+                                 const TraceLimits& limits = {}) const;
+
+  /// When anything is met within the limits: disjoint, in order; the span lives in the workspace until its next use.
+  /// Cheaper than trace(): any hit will do, and nothing more is looked for once hits fill the window. What cut-outs
+  /// leave out is not there; veils hide nothing and are not met.
+  std::span<const TimeRange> occluded(const Ray& ray, Workspace& workspace, const TraceLimits& limits = {}) const;
 
   /// The most rays that trace_packet takes.
   static constexpr size_t kMaxPacket = 16;
@@ -145,10 +169,12 @@ class Tracer {
   /// which is faster where rays share little. Throws Error(bad_usage) for more than 16 rays, or another number of
   /// backdrops.
   std::span<const SeenByRay> trace_packet(std::span<const Ray> rays, Visibility visibility, Workspace& workspace,
-                                          std::span<const Segment> backdrops = {}, bool together = true) const;
+                                          std::span<const Segment> backdrops = {}, bool together = true,
+                                          const TraceLimits& limits = {}) const;
 
   /// Many rays, in parallel; without veils. The result does not depend on the number of threads.
-  SegmentBatch trace(std::span<const Ray> rays, Visibility visibility, TraceCounters* counters = nullptr) const;
+  SegmentBatch trace(std::span<const Ray> rays, Visibility visibility, TraceCounters* counters = nullptr,
+                     const TraceLimits& limits = {}) const;
 
   InstructionSet instruction_set() const;
   size_t memory_bytes() const;

@@ -26,7 +26,7 @@ class PacketCollector {
  public:
   /// states: one per ray of the packet, begun. What they already know to be hidden is not visited.
   PacketCollector(const RayPacket& packet, std::span<RayState> states)
-      : packet_(packet), slabs_(packet), states_(states), culls_(states[0].culls()) {
+      : packet_(packet), slabs_(packet), states_(states), clips_(states[0].clips()) {
     std::fill_n(visible_until_, kPacketLanes, std::numeric_limits<float>::infinity());
   }
 
@@ -40,7 +40,7 @@ class PacketCollector {
     while (top != bottom) {
       StackEntry entry = *--top;
       float visible_until = std::numeric_limits<float>::infinity();
-      if (culls_ && !ClipEntry(bins_, tree, entry, visible_until)) continue;
+      if (clips_ && !ClipEntry(bins_, tree, entry, visible_until)) continue;
       if ((entry.node & kLeafBit) == 0) {
         const auto& node = tree.nodes[entry.node];
         ++counters.nodes;
@@ -91,7 +91,7 @@ class PacketCollector {
                         hits_.dist_end[lane],          block.mesh[triangle], block.triangle[triangle],
                         (hits_.front >> lane & 1) != 0};
       if (!(hit.begin < hit.end)) continue;
-      if (state.is_whole(hit.mesh)) {
+      if (state.takes_whole(hit.mesh)) {
         bins_changed_ |= AddWhole(state, hit, static_cast<TimeBins::Mask>(placed_.touched[lane]),
                                   static_cast<TimeBins::Mask>(placed_.filled[lane]));
       } else {
@@ -160,7 +160,7 @@ class PacketCollector {
 
   /// What is hidden for every ray.
   HWY_INLINE void UpdateBins() {
-    if (!culls_ || !bins_changed_) return;
+    if (!clips_ || !bins_changed_) return;
     bins_changed_ = false;
     bins_.set_to_farthest(states_[0].bins);
     for (size_t i = 1; i < states_.size(); ++i) bins_.widen_to(states_[i].bins);
@@ -168,7 +168,7 @@ class PacketCollector {
 
   /// How far each lane's ray sees while it is in a leaf.
   HWY_INLINE void UpdateLimits(const Tree<kMovingKeys>& tree, const StackEntry& entry) {
-    if (!culls_) return;
+    if (!clips_) return;
     const float begin = to_shutter_time(entry.begin, tree.time_begin, tree.time_end) - kTimeSnap;
     const float end = to_shutter_time(entry.end, tree.time_begin, tree.time_end) + kTimeSnap;
     const TimeBins::Mask touched = TimeBins::touched(std::max(begin, 0.0f), std::min(end, 1.0f));
@@ -180,7 +180,7 @@ class PacketCollector {
   const RayPacket& packet_;
   PacketSlabs slabs_;
   std::span<RayState> states_;
-  bool culls_;
+  bool clips_;
   TimeBins bins_;
   alignas(64) float visible_until_[kPacketLanes];  // [lane]
   PacketTriangles triangles_;

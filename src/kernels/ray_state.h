@@ -33,12 +33,23 @@ inline constexpr int kDeepestCut = sizeof(Real) == 8 ? 10 : 5;
 /// is visible is resolved, and with them the whole of a hit on a triangle seen nearly edge-on.
 inline constexpr float kShortestCut = 8 * kTimeSnap;
 
+/// What a ray is asked for: what hits are kept for, and what they hide.
+enum class RayMode {
+  visible,   ///< what is nearest: a hit hides what is behind it
+  all,       ///< a hit hides nothing
+  occluded,  ///< when anything is hit: a hit hides everything, as long as it lasts
+};
+
 struct RayState {
-  Visibility visibility = Visibility::visible;
+  RayMode mode = RayMode::visible;
+  TraceLimits limits;
+  bool limited =
+      false;  ///< hits are not taken as they are: they are cut to the limits, or hide more than what is behind
   TimeBins bins;
   std::vector<Segment> hits;
   std::vector<StackEntry> stack;
-  std::vector<Segment> segments;          ///< the result
+  std::vector<Segment> segments;          ///< the result; of RayMode::occluded: see `covered`
+  std::vector<TimeRange> covered;         ///< the result of RayMode::occluded
   std::vector<Segment> veil_hits, veils;  ///< of veils: all hits, and what can be seen of them
   ResolveScratch resolve;
   VeilScratch clip;
@@ -47,16 +58,27 @@ struct RayState {
   Ray ray;                     ///< for cut_outs
   std::vector<float> present;  ///< scratch: see CutOuts::solid_times
 
-  bool culls() const { return visibility == Visibility::visible; }
+  /// Do hits hide anything?
+  bool culls() const { return mode != RayMode::all; }
+  /// Do the bins say anything?
+  bool clips() const { return culls() || limited; }
+  /// Is the answer complete, whatever else is met?
+  bool is_complete() const { return mode == RayMode::occluded && bins.reaching(0) == 0; }
 
-  void begin_ray(Visibility wanted, uint32_t tree_depth, const Ray& traced, const CutOuts* missing) {
+  void begin_ray(RayMode wanted, const TraceLimits& wanted_limits, uint32_t tree_depth, const Ray& traced,
+                 const CutOuts* missing) {
     ray = traced;
     cut_outs = missing;
-    visibility = wanted;
+    mode = wanted;
+    limits = wanted_limits;
+    limited = mode == RayMode::occluded || !limits.is_everything();
     hits.clear();
     veil_hits.clear();
     veils.clear();
-    bins.clear();
+    if (limited)
+      bins.clear(limits.window_begin, limits.window_end, limits.max_dist);
+    else
+      bins.clear();
     // Each level leaves at most all but one of its children on the stack.
     const size_t deepest = static_cast<size_t>(tree_depth) * (kWidth - 1) + kWidth;
     if (stack.size() < deepest) stack.resize(deepest);
@@ -66,26 +88,41 @@ struct RayState {
   void end_ray() {
     counters.hits += hits.size() + veil_hits.size();
     if (!veil_hits.empty()) clip_veils(veil_hits, hits, clip, veils);
-    if (culls())
-      resolve_visible(hits, resolve, segments);
-    else
-      order_all(hits, segments);
-    counters.segments += segments.size() + veils.size();
+    segments.clear();
+    covered.clear();
+    switch (mode) {
+      case RayMode::visible:
+        resolve_visible(hits, resolve, segments);
+        break;
+      case RayMode::all:
+        order_all(hits, segments);
+        break;
+      case RayMode::occluded:
+        unite_hits(hits, covered);
+        break;
+    }
+    if (limited && !segments.empty()) {  // slivers at the shutter's ends may have been added to what is beside them
+      segments.front().begin = std::max(segments.front().begin, limits.window_begin);
+      segments.back().end = std::min(segments.back().end, limits.window_end);
+    }
+    counters.segments += segments.size() + veils.size() + covered.size();
   }
 
   /// True when nothing of the mesh is missing and it is no veil.
   bool is_whole(uint32_t mesh) const { return cut_outs == nullptr || !cut_outs->has(mesh); }
+  /// True when hits on the mesh are taken as they are.
+  bool takes_whole(uint32_t mesh) const { return !limited && is_whole(mesh); }
 
   /// Takes up what is known to be there for the whole shutter, if it has any duration.
-  void add_backdrop(const Segment& hit) {
-    if (hit.begin < hit.end) take_up(hit);
+  void add_backdrop(Segment hit) {
+    if (hit.begin < hit.end && cut_to_limits(hit)) take_up(hit);
   }
 
   /// Takes up what is there of a hit in shutter time, unless something is known to hide it.
-  void add(const Segment& hit) {
-    if (!(hit.begin < hit.end) || is_hidden(hit)) return;
+  void add(Segment hit) {
+    if (!(hit.begin < hit.end) || is_hidden(hit) || !cut_to_limits(hit)) return;
     if (is_whole(hit.mesh)) return take_up(hit);
-    if (cut_outs->is_veil(hit.mesh)) return culls() ? veil_hits.push_back(hit) : take_up(hit);
+    if (cut_outs->is_veil(hit.mesh)) return take_up_veil(hit);
     cut_outs->solid_times(ray, hit, present);
     const float slope = (hit.dist_end - hit.dist_begin) / hit.duration();
     for (size_t i = 0; i + 1 < present.size(); i += 2) {
@@ -100,21 +137,53 @@ struct RayState {
 
   /// Whether a hit that lasts for the whole shutter, on what stands still, is there to hide what is behind it. What is
   /// met of a veil is taken up here.
-  bool is_there(const Segment& hit) {
+  bool is_there(Segment hit) {
     if (is_whole(hit.mesh)) return true;
     if (!cut_outs->is_veil(hit.mesh)) return cut_outs->solid(ray, hit.mesh, hit.triangle, hit.begin);
-    if (culls()) veil_hits.push_back(hit);
-    return !culls();
+    if (mode == RayMode::all) return true;
+    if (cut_to_limits(hit)) take_up_veil(hit);
+    return false;
   }
 
  private:
   bool is_hidden(const Segment& hit) const {
-    return culls() &&
+    return clips() &&
            (bins.reaching(std::min(hit.dist_begin, hit.dist_end)) & TimeBins::touched(hit.begin, hit.end)) == 0;
   }
+  /// Leaves of a hit what is within the limits; false when nothing is.
+  bool cut_to_limits(Segment& hit) const {
+    if (!limited) return true;
+    float begin = std::max(hit.begin, limits.window_begin), end = std::min(hit.end, limits.window_end);
+    const float slope = (hit.dist_end - hit.dist_begin) / hit.duration();
+    const bool far_at_begin = hit.dist_begin > limits.max_dist, far_at_end = hit.dist_end > limits.max_dist;
+    if (far_at_begin && far_at_end) return false;
+    if (far_at_begin || far_at_end) {
+      const float reached = hit.begin + (limits.max_dist - hit.dist_begin) / slope;
+      if (far_at_begin)
+        begin = std::max(begin, reached);
+      else
+        end = std::min(end, reached);
+    }
+    if (!(begin < end)) return false;
+    const auto distance = [&](float time) {
+      return std::min(hit.dist_begin + slope * (time - hit.begin), limits.max_dist);
+    };
+    const float dist_begin = begin > hit.begin ? distance(begin) : hit.dist_begin;
+    if (end < hit.end) hit.dist_end = distance(end);
+    hit.dist_begin = dist_begin;
+    hit.begin = begin;
+    hit.end = end;
+    return true;
+  }
   void take_up(const Segment& hit) {
-    if (culls()) bins.cover(hit.begin, hit.end, std::max(hit.dist_begin, hit.dist_end));
+    if (culls())
+      bins.cover(hit.begin, hit.end,
+                 mode == RayMode::occluded ? TimeBins::kNearest : std::max(hit.dist_begin, hit.dist_end));
     hits.push_back(hit);
+  }
+  void take_up_veil(const Segment& hit) {
+    if (mode == RayMode::visible) veil_hits.push_back(hit);
+    if (mode == RayMode::all) take_up(hit);
   }
 };
 
@@ -140,7 +209,7 @@ void add_in_pieces(RayState& state, const FramedTriangle<Real>& f, const std::ar
                    const HitInterval<Real>& hit, uint32_t mesh, uint32_t triangle, float span_begin, float span_end,
                    int cuts = 0) {
   const Real duration = (hit.end - hit.begin) * Real(span_end - span_begin);
-  if (state.culls() && cuts < kDeepestCut<Real> && duration > Real(kShortestCut)) {
+  if (state.clips() && cuts < kDeepestCut<Real> && duration > Real(kShortestCut)) {
     const Real middle = Real(0.5) * (hit.begin + hit.end);
     const Real dist = distance_at(f, e, middle);
     const Real straight = Real(0.5) * (hit.dist_begin + hit.dist_end);

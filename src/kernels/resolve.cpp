@@ -243,6 +243,16 @@ void resolve_visible(const std::vector<Segment>& hits, ResolveScratch& scratch, 
   Sweep(hits, scratch, out).run();
 }
 
+void unite_hits(std::vector<Segment>& hits, std::vector<TimeRange>& out) {
+  std::sort(hits.begin(), hits.end(), [](const Segment& a, const Segment& b) { return a.begin < b.begin; });
+  out.clear();
+  for (const Segment& hit : hits)
+    if (!out.empty() && hit.begin <= out.back().end + kTimeSnap)
+      out.back().end = std::max(out.back().end, hit.end);
+    else
+      out.push_back({hit.begin, hit.end});
+}
+
 void order_all(std::vector<Segment>& hits, std::vector<Segment>& out) {
   std::sort(hits.begin(), hits.end(), [](const Segment& a, const Segment& b) {
     return std::tie(a.mesh, a.triangle, a.begin, a.front) < std::tie(b.mesh, b.triangle, b.begin, b.front);

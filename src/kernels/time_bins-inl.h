@@ -56,7 +56,7 @@ HWY_INLINE void CloseBins(TimeBins& bins, TimeBins::Mask mask, float dist) {
   }
 }
 
-/// RayState::add for hits on meshes that have nothing missing and are no veils. touched, filled: of its bins. True when
+/// RayState::add where RayState::takes_whole. touched, filled: of its bins. True when
 /// it closes a bin.
 HWY_INLINE bool AddWhole(RayState& state, const Segment& hit, TimeBins::Mask touched, TimeBins::Mask filled) {
   bool closes = false;
@@ -73,7 +73,7 @@ HWY_INLINE bool AddWhole(RayState& state, const Segment& hit, TimeBins::Mask tou
 
 /// RayState::add.
 HWY_INLINE void AddHit(RayState& state, const Segment& hit) {
-  if (!state.is_whole(hit.mesh)) return state.add(hit);
+  if (!state.takes_whole(hit.mesh)) return state.add(hit);
   if (hit.begin < hit.end)
     AddWhole(state, hit, TimeBins::touched(hit.begin, hit.end), TimeBins::filled(hit.begin, hit.end));
 }

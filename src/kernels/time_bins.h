@@ -25,9 +25,15 @@ class TimeBins {
   static constexpr int kCount = 16;
   using Mask = uint32_t;
 
-  void clear() {
-    hidden_behind_.fill(std::numeric_limits<float>::infinity());
+  /// Nearer than any distance: what is hidden behind it is everything.
+  static constexpr float kNearest = -1;
+
+  /// Nothing is hidden but what is farther than `most_dist`, and everything outside of [begin, end].
+  void clear(float begin = 0, float end = 1, float most_dist = std::numeric_limits<float>::infinity()) {
+    hidden_behind_.fill(most_dist);
     for (auto& runs : runs_) runs = {Run::none(), Run::none()};
+    if (begin > 0) cover(0, begin, kNearest);
+    if (end < 1) cover(end, 1, kNearest);
   }
 
   /// Bins that [begin, end] touches, and those that it fills; 0 <= begin <= end <= 1.

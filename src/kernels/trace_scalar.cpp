@@ -61,7 +61,10 @@ void collect(const Tree<kKeys>& tree, const Ray& ray, RayState& state) {
 
 void collect_hits_scalar(const Accel& accel, const Ray& ray, RayState& state) {
   if (accel.still.root != kNoNode) collect(accel.still, ray, state);
-  for (const auto& tree : accel.moving) collect(tree, ray, state);
+  for (const auto& tree : accel.moving) {
+    if (state.is_complete()) return;
+    collect(tree, ray, state);
+  }
 }
 
 }  // namespace kairos

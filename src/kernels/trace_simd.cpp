@@ -32,7 +32,10 @@ class Collector {
 
   void Run() {
     RunStill();
-    for (const auto& tree : accel_.moving) CollectMoving(tree);
+    for (const auto& tree : accel_.moving) {
+      if (state_.is_complete()) return;
+      CollectMoving(tree);
+    }
   }
   void RunStill() {
     if (accel_.still.root != kNoNode) CollectStill(accel_.still);
@@ -43,7 +46,7 @@ class Collector {
   HWY_INLINE void CollectStill(const Tree<kStaticKeys>& tree) {
     Segment nearest;
     nearest.dist_begin =
-        state_.culls() ? state_.bins.visible_until(TimeBins::touched(0, 1)) : std::numeric_limits<float>::infinity();
+        state_.clips() ? state_.bins.visible_until(TimeBins::touched(0, 1)) : std::numeric_limits<float>::infinity();
     bool found = false;
     StackEntry* top = state_.stack.data();
     *top++ = {tree.root, 0, 0, 1};
@@ -68,8 +71,9 @@ class Collector {
         const Segment hit{
             0, 1, dist, dist, block.mesh[lane], block.triangle[lane], (block_hits.front >> lane & 1) != 0};
         if (!state_.is_there(hit)) continue;
-        if (!state_.culls()) {
+        if (state_.mode != RayMode::visible) {
           state_.add(hit);
+          if (state_.is_complete()) return;
         } else if (dist < nearest.dist_begin ||
                    (dist == nearest.dist_begin &&
                     std::pair(hit.mesh, hit.triangle) < std::pair(nearest.mesh, nearest.triangle))) {
@@ -89,7 +93,7 @@ class Collector {
     while (top != state_.stack.data()) {
       StackEntry entry = *--top;
       float visible_until = std::numeric_limits<float>::infinity();
-      if (state_.culls() && !ClipEntry(state_.bins, tree, entry, visible_until)) continue;
+      if (state_.clips() && !ClipEntry(state_.bins, tree, entry, visible_until)) continue;
       if ((entry.node & kLeafBit) == 0) {
         const auto& node = tree.nodes[entry.node];
         ++state_.counters.nodes;
@@ -102,6 +106,7 @@ class Collector {
       TestBlock(block, frame_, visible_until, block_hits);
       state_.counters.root_solves += 3 * static_cast<uint64_t>(std::popcount(block_hits.solved));
       AddHits(tree, block, block_hits);
+      if (state_.is_complete()) return;
     }
   }
 

@@ -21,6 +21,18 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& other) {
   return *this;
 }
 
+namespace {
+
+void check(const TraceLimits& limits) {
+  if (!(limits.window_begin >= 0 && limits.window_begin < limits.window_end && limits.window_end <= 1))
+    throw Error(ErrorCode::bad_usage, "time window", "give 0 <= begin < end <= 1, in shutter time");
+  if (!(limits.max_dist > 0)) throw Error(ErrorCode::bad_usage, "largest distance", "give a positive one");
+}
+
+RayMode mode_of(Visibility visibility) { return visibility == Visibility::visible ? RayMode::visible : RayMode::all; }
+
+}  // namespace
+
 struct Tracer::Impl {
   Accel accel;
   uint32_t depth = 0;
@@ -28,6 +40,16 @@ struct Tracer::Impl {
   CollectHits collect = nullptr;
   CollectPacketHits collect_packet = nullptr;
   std::shared_ptr<const CutOuts> cut_outs;
+
+  void begin(RayState& state, RayMode mode, const TraceLimits& limits, const Ray& ray) const {
+    state.begin_ray(mode, limits, depth, ray, cut_outs.get());
+  }
+  void run(RayState& state, RayMode mode, const TraceLimits& limits, const Ray& ray) const {
+    check(limits);
+    begin(state, mode, limits, ray);
+    if (is_traceable(ray)) collect(accel, ray, state);
+    state.end_ray();
+  }
 };
 
 struct Tracer::Workspace::State {
@@ -63,25 +85,32 @@ Tracer::~Tracer() = default;
 Tracer::Tracer(Tracer&&) noexcept = default;
 Tracer& Tracer::operator=(Tracer&&) noexcept = default;
 
-std::span<const Segment> Tracer::trace(const Ray& ray, Visibility visibility, Workspace& workspace) const {
+std::span<const Segment> Tracer::trace(const Ray& ray, Visibility visibility, Workspace& workspace,
+                                       const TraceLimits& limits) const {
   RayState& state = workspace.state_->rays[0];
-  state.begin_ray(visibility, impl_->depth, ray, impl_->cut_outs.get());
-  if (is_traceable(ray)) impl_->collect(impl_->accel, ray, state);
-  state.end_ray();
+  impl_->run(state, mode_of(visibility), limits, ray);
   return state.segments;
 }
 
+std::span<const TimeRange> Tracer::occluded(const Ray& ray, Workspace& workspace, const TraceLimits& limits) const {
+  RayState& state = workspace.state_->rays[0];
+  impl_->run(state, RayMode::occluded, limits, ray);
+  return state.covered;
+}
+
 std::span<const SeenByRay> Tracer::trace_packet(std::span<const Ray> rays, Visibility visibility, Workspace& workspace,
-                                                std::span<const Segment> backdrops, bool together) const {
+                                                std::span<const Segment> backdrops, bool together,
+                                                const TraceLimits& limits) const {
   if (rays.size() > kMaxPacket)
     throw Error(ErrorCode::bad_usage, "Tracer::trace_packet", "more than 16 rays; divide them into several packets");
   if (!backdrops.empty() && backdrops.size() != rays.size())
     throw Error(ErrorCode::bad_usage, "Tracer::trace_packet", "give as many backdrops as rays, or none");
+  check(limits);
   auto& [states, results] = *workspace.state_;
   const auto used = std::span(states).first(rays.size());
   bool traceable = true;
   for (size_t i = 0; i < rays.size(); ++i) {
-    states[i].begin_ray(visibility, impl_->depth, rays[i], impl_->cut_outs.get());
+    impl_->begin(states[i], mode_of(visibility), limits, rays[i]);
     if (!backdrops.empty()) states[i].add_backdrop(backdrops[i]);
     traceable = traceable && is_traceable(rays[i]);
   }
@@ -100,7 +129,9 @@ std::span<const SeenByRay> Tracer::trace_packet(std::span<const Ray> rays, Visib
   return std::span(results).first(rays.size());
 }
 
-SegmentBatch Tracer::trace(std::span<const Ray> rays, Visibility visibility, TraceCounters* counters) const {
+SegmentBatch Tracer::trace(std::span<const Ray> rays, Visibility visibility, TraceCounters* counters,
+                           const TraceLimits& limits) const {
+  check(limits);
   constexpr size_t kChunk = 256;
   struct Chunk {
     std::vector<size_t> counts;
@@ -113,7 +144,7 @@ SegmentBatch Tracer::trace(std::span<const Ray> rays, Visibility visibility, Tra
     for (size_t c = begin; c < end; ++c) {
       workspace.state_->rays[0].counters = {};
       for (const Ray& ray : rays.subspan(c * kChunk, std::min(kChunk, rays.size() - c * kChunk))) {
-        const auto segments = trace(ray, visibility, workspace);
+        const auto segments = trace(ray, visibility, workspace, limits);
         chunks[c].counts.push_back(segments.size());
         chunks[c].segments.insert(chunks[c].segments.end(), segments.begin(), segments.end());
       }

@@ -56,6 +56,38 @@ TEST_F(CliQuery, AllNamesHiddenTrianglesToo) {
   EXPECT_TRUE(whole) << answers[0];
 }
 
+TEST_F(CliQuery, LimitsCutWhatIsSeen) {
+  const auto answers = query("0 0.5 0 0 0 -2\n", "--window 0.5,0.75");
+  const json& segments = answers[0].at("segments");
+  ASSERT_EQ(segments.size(), 2u) << segments;
+  EXPECT_EQ(segments[0].at("mesh"), "bar");
+  EXPECT_EQ(segments[0].at("begin"), 0.5);
+  EXPECT_EQ(segments[1].at("mesh"), "square \"x\"");
+  EXPECT_EQ(segments[1].at("end"), 0.75);
+  for (const json& segment : query("0 0.5 0 0 0 -2\n", "--max-dist 1.25")[0].at("segments"))
+    EXPECT_EQ(segment.at("mesh"), "bar") << "the square is 1.5 away";
+}
+
+TEST_F(CliQuery, OccludedSaysOnlyWhenAnythingIsMet) {
+  const auto answers = query("0 0.5 0 0 0 -2\n0 0.5 0 0 0 2\n", "--occluded --max-dist 1.25");
+  ASSERT_EQ(answers.size(), 2u);
+  ASSERT_EQ(answers[0].at("occluded").size(), 1u) << answers[0];
+  EXPECT_NEAR(answers[0].at("occluded")[0].at("begin").get<double>(), 0.8 / 1.8, 1e-6);
+  EXPECT_NEAR(answers[0].at("occluded")[0].at("end").get<double>(), 1 / 1.8, 1e-6);
+  EXPECT_TRUE(answers[1].at("occluded").empty());
+  EXPECT_EQ(query("0 0.5 0 0 0 -2\n", "--occluded")[0].dump(), R"({"occluded":[{"begin":0,"end":1}]})");
+}
+
+TEST_F(CliQuery, LimitsThatMakeNoSenseAreRefused) {
+  write("rays.txt", "0 0 0 0 0 -1\n");
+  for (const char* options : {"--window 0.5,0.5", "--window 0.5", "--window -1,1", "--window 0,2", "--window 0,nan",
+                              "--max-dist 0", "--max-dist -1", "--max-dist x", "--occluded --all"}) {
+    const CliResult result = run("query scene.json --rays rays.txt " + std::string(options));
+    EXPECT_EQ(result.status, 2) << options;
+    EXPECT_EQ(result.out, "") << options;
+  }
+}
+
 TEST_F(CliQuery, OneLineOutPerRay) {
   std::string rays = "# comment\n\n";
   for (int i = 0; i < 10000; ++i) rays += i % 3 == 0 ? "0 0 0 0 0 1\r\n" : " 0\t0 0  0 0 -1e0 \n";
