@@ -13,7 +13,7 @@ import pathlib
 import sys
 
 SCENES = ["foliage", "blades", "wires", "hall", "still", "fan", "glass", "marbles", "bars", "kitchen", "big", "terrain",
-          "swarm"]
+          "swarm", "crowd"]
 # What of the folder of third parties' scenes they need.
 NEEDS = {"hall": ["mannequiny"], "fan": ["vintage-fan"], "kitchen": ["bitterli-kitchen"],
          "big": ["bitterli-kitchen", "dutch-ship"]}
@@ -28,6 +28,9 @@ def main():
     parser.add_argument("--spans", type=int, default=1, help="key spans of what deforms (%(default)s)")
     parser.add_argument("--motion", type=float, default=10.0, metavar="PIXELS",
                         help="how far things move, in terrain and swarm (%(default)s)")
+    parser.add_argument("--meshes", type=int, default=1, help="that the pebbles of swarm are spread over (%(default)s)")
+    parser.add_argument("--sets", type=int, default=1,
+                        help="of key times that those meshes have, each another; with several key spans (%(default)s)")
     third_parties = pathlib.Path(os.environ.get("KAIROS_SCENES", "../shared/scenes"))
     parser.add_argument("--scenes", type=pathlib.Path, default=third_parties, metavar="FOLDER",
                         help="third parties' scenes; $KAIROS_SCENES or %(default)s")
@@ -41,6 +44,8 @@ def main():
         parser.error("--spans: 1 to 64")
     if not 0 <= options.motion <= 100000:
         parser.error("--motion: 0 to 100000")
+    if not 1 <= options.sets <= options.meshes <= 100000:
+        parser.error("--sets, --meshes: 1 to 100000, and no more sets than meshes")
     for name in SCENES if "all" in options.names else options.names:
         absent = [part for part in NEEDS.get(name, []) if not (options.scenes / part).is_dir()]
         if absent:

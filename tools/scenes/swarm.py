@@ -1,5 +1,6 @@
 """Pebbles in the air, each of 320 triangles and with a motion of its own: their number (--scale), the length of their motion
-in pixels (--motion) and its key spans (--spans) can be chosen. They cover about the same part of the picture however
+in pixels (--motion) and its key spans (--spans) can be chosen, and over how many meshes (--meshes) with how many different sets
+of key times (--sets) they are spread. They cover about the same part of the picture however
 many there are. To see how costs grow.
 """
 
@@ -43,6 +44,11 @@ def ball(splits):
     return points, triangles
 
 
+def key_times(spans, number, rng):
+    """Even ones, or for all sets but the first each key up to a third of a span off."""
+    return [(key + (rng.uniform(-1 / 3, 1 / 3) if number and 0 < key < spans else 0)) / spans for key in range(spans + 1)]
+
+
 def make(folder, options):
     rng = random.Random(312)
     scene = Scene(folder, WIDTH, HEIGHT)
@@ -52,7 +58,10 @@ def make(folder, options):
     scene.light("constant", radiance=[0.35, 0.40, 0.50])
     points, triangles = ball(SPLITS)
     count, flat = many(COUNT, options.scale), [number for point in points for number in point]
-    mesh = Mesh("pebbles", scene.material("pebbles", (0.62, 0.50, 0.40)), options.spans + 1)
+    material, names = scene.material("pebbles", (0.62, 0.50, 0.40)), random.Random(1024)
+    sets = [key_times(options.spans, i, names) for i in range(options.sets)]
+    meshes = [Mesh("pebbles" if options.meshes == 1 else f"pebbles{i}", material, options.spans + 1)
+              for i in range(options.meshes)]
     high = math.tan(math.radians(VFOV) / 2)
     wide = high * WIDTH / HEIGHT
     # On the picture at distance 1 each covers its share of COVER times the picture.
@@ -64,8 +73,8 @@ def make(folder, options):
         size = radius * depth * rng.uniform(0.7, 1.3)
         angle, tumble = rng.uniform(0, math.tau), rng.uniform(-0.2, 0.2)
         way = options.motion * pixel_size() * depth
-        for key, row in enumerate(mesh.rows):
-            time = key / options.spans
+        mesh, times = meshes[i % len(meshes)], sets[i % len(meshes) % len(sets)]
+        for time, row in zip(times, mesh.rows):
             along, aside = (number * way for number in journey(time, options.spans))
             place = (center[0] + along * math.cos(angle) - aside * math.sin(angle),
                      center[1] + along * math.sin(angle) + aside * math.cos(angle), center[2])
@@ -77,5 +86,6 @@ def make(folder, options):
             row.extend(numbers)
         mesh.triangles.extend(array.array("i", [mesh.count + corner for corner in indices]))
         mesh.count += len(points)
-    scene.mesh(mesh)
+    for i, mesh in enumerate(meshes):
+        scene.mesh(mesh, **({} if options.sets == 1 else {"times": sets[i % len(sets)]}))
     return scene
