@@ -41,6 +41,26 @@ float brightness(Vec3f c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z
 
 double area_of(const std::array<Vec3d, 3>& v) { return length(cross(v[1] - v[0], v[2] - v[0])) / 2; }
 
+/// Its mean over time, by Simpson's rule between each two keys: exact where the triangle keeps its plane and
+/// orientation, and zero only for one that never has an area.
+double mean_area(const Mesh& mesh, uint32_t triangle) {
+  const auto at = [&](size_t key) {
+    std::array<Vec3d, 3> corners;
+    for (size_t i = 0; i < 3; ++i) corners[i] = to_double(mesh.positions[key][mesh.triangles[triangle][i]]);
+    return corners;
+  };
+  if (mesh.is_static()) return area_of(at(0));
+  double sum = 0;
+  for (size_t key = 0; key + 1 < mesh.key_count(); ++key) {
+    const std::array<Vec3d, 3> first = at(key), last = at(key + 1);
+    std::array<Vec3d, 3> middle;
+    for (size_t i = 0; i < 3; ++i) middle[i] = lerp(first[i], last[i], 0.5);
+    const double duration = static_cast<double>(mesh.key_times[key + 1]) - static_cast<double>(mesh.key_times[key]);
+    sum += duration * (area_of(first) + 4 * area_of(middle) + area_of(last)) / 6;
+  }
+  return sum;
+}
+
 }  // namespace
 
 Lights::Lights(const Shot& shot, const Looks& looks, const Sky& sky)
@@ -73,7 +93,7 @@ void Lights::add_areas() {
     const double radiance = brightness(looks_.material(m).emission);
     if (!(radiance > 0) || !std::isfinite(radiance)) continue;
     for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      sum += radiance * std::max(area_of(triangle_at(mesh, i, 0)), area_of(triangle_at(mesh, i, 1)));
+      sum += radiance * mean_area(mesh, i);
       areas_.push_back({m, i, sum});
     }
   }

@@ -94,6 +94,33 @@ TEST(Whitted, ASquareLampGivesItsFormFactor) {
   EXPECT_GT(seen(shot, kDown, 256).x, 0.5f * mean.x);
 }
 
+TEST(Whitted, ALampThatGrowsFromNothingAndShrinksAgainLights) {
+  Shot shot = floor_shot({1, 1, 1});
+  shot.materials.push_back(lamp({3, 3, 3}));
+  Mesh square = parallelogram({0, 1, -3}, {2, 0, 0}, {0, 0, 2}, 1);
+  const std::vector<Vec3f> centre(4, {1, 1, -2});
+  square.key_times = {0, 0.5f, 1};
+  square.positions = {centre, square.positions[0], centre};
+  shot.meshes.push_back(square);
+  // As in ASquareLampGivesItsFormFactor; `size` is that of a side over 2.
+  const auto expected = [](double size) {
+    const double side = 0.5 * size, root = std::sqrt(1 + side * side);
+    return 3 * 4 * 2 * side / root * std::atan(side / root) / (2 * M_PI);
+  };
+  for (const float time : {0.25f, 0.5f, 0.8f})
+    EXPECT_NEAR(seen(shot, kDown, 1024, 8, time).x, expected(1 - std::abs(2 * time - 1)), 0.01) << time;
+  EXPECT_EQ(seen(shot, kDown, 64, 8, 0.0f).x, 0) << "no lamp, and no light that replaces it";
+  EXPECT_EQ(seen(shot, kDown, 64, 8, 1.0f).x, 0);
+  // One whose corners lie in a line at both keys, and not in between.
+  Mesh crossing = square;
+  crossing.triangles = {{0, 1, 2}};
+  crossing.key_times = {0, 1};
+  crossing.positions = {{{0, 1, -2}, {2, 1, -2}, {1, 1, -2}, {}}, {{1, 1, -3}, {1, 1, -1}, {1, 1, -2}, {}}};
+  crossing.positions[1][2] = {1, 1, -2.5f};
+  shot.meshes.back() = crossing;
+  EXPECT_GT(seen(shot, kDown, 256, 8, 0.5f).x, 0.01f);
+}
+
 TEST(Whitted, InAWhiteWorldWhiteThingsCannotBeSeen) {
   Material metal = mirror({1, 1, 1}), rough_metal = metal, plastic = lambert({1, 1, 1});
   rough_metal.roughness = 0.5f;
