@@ -118,7 +118,10 @@ TEST(Whitted, ALampThatGrowsFromNothingAndShrinksAgainLights) {
   crossing.positions = {{{0, 1, -2}, {2, 1, -2}, {1, 1, -2}, {}}, {{1, 1, -3}, {1, 1, -1}, {1, 1, -2}, {}}};
   crossing.positions[1][2] = {1, 1, -2.5f};
   shot.meshes.back() = crossing;
-  EXPECT_GT(seen(shot, kDown, 256, 8, 0.5f).x, 0.01f);
+  shot.materials[1] = lamp({3, 0, 0});
+  const Vec3f colour = seen(shot, kDown, 256, 8, 0.5f);
+  EXPECT_GT(colour.x, 0.01f);
+  EXPECT_EQ(colour.y, 0) << "light that replaces it";
 }
 
 TEST(Whitted, InAWhiteWorldWhiteThingsCannotBeSeen) {
