@@ -6,9 +6,11 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <kairos/image.h>
+#include <kairos/record.h>
 #include <kairos/scene.h>
 #include <kairos/tracer.h>
 
@@ -151,7 +153,13 @@ class Renderer {
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
 
-  /// One picture at a time. The image's attributes say how it was made.
+  /// Hands every pixel to all of the consumers, which are asked first what they need. One rendering at a time. Throws
+  /// Error(bad_usage) for parameters out of range and needs that the integrator cannot meet, Error(cancelled) when
+  /// `progress` says so, and what consumers throw.
+  void render(const RenderParams& params, std::span<PixelConsumer* const> consumers, RenderStats* stats = nullptr,
+              const Progress& progress = {});
+
+  /// The same with a Picture under a box as the only consumer. The image's attributes say how it was made.
   /// Throws Error(bad_usage) for parameters out of range, Error(cancelled) when `progress` says so.
   Image render(const RenderParams& params = {}, RenderStats* stats = nullptr, const Progress& progress = {});
 
@@ -164,7 +172,10 @@ class Renderer {
   std::unique_ptr<class ShotParts> parts_;
 };
 
-/// The same for a single picture.
+/// Says in the image's attributes how it was made.
+void describe(Image& image, const Shot& shot, const RenderParams& params, const RenderStats& stats);
+
+/// Renders a single picture.
 Image render(const Shot& shot, const RenderParams& params = {}, RenderStats* stats = nullptr,
              const Progress& progress = {});
 

@@ -107,21 +107,25 @@ class BoundsIntegrator : public Integrator {
  private:
   class BoundsWorker : public Worker {
    public:
-    explicit BoundsWorker(const BoundsIntegrator& integrator) : integrator_(integrator) {}
+    explicit BoundsWorker(const BoundsIntegrator& integrator)
+        : integrator_(integrator), record_(integrator.context_.needs.surfaces()) {}
 
-    void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
+    const PixelRecord& render_pixel(int x, int y, Monitor& monitor) override {
+      record_.begin_pixel(x, y, integrator_.context_.background);
       const Sampler& sampler = integrator_.context_.sampler;
       const Sampler::Pixel pixel = sampler.pixel(x, y);
       for (uint32_t i = 0; i < sampler.count(); ++i) {
         if (i % kRaysPerPoll == 0) monitor.poll();
-        add(integrator_.context_.ray(x, y, sampler.point(pixel, i)), sink);
+        const SamplePoint point = sampler.point(pixel, i);
+        add(integrator_.context_.ray(x, y, point), integrator_.context_.film(point));
       }
       rays_ += sampler.count();
+      return record_.finish();
     }
     void add_counts(RenderStats& stats) const override { stats.rays += rays_; }
 
    private:
-    void add(const Ray& ray, RaySink& sink) const {
+    void add(const Ray& ray, Vec2f film) {
       Stay longest, stay;  // of all meshes; of the current one
       uint32_t mesh = kNoMesh;
       const auto& nodes = integrator_.nodes_;
@@ -137,14 +141,19 @@ class BoundsIntegrator : public Integrator {
         }
         stay = {};
       }
-      if (mesh == kNoMesh) return sink.add({ShadedRay::Kind::discrete, {}, 0});
-      const auto share = static_cast<float>(std::min(longest.duration, 1.0));
-      const Vec3f colour = lerp(kShortest, kLongest, share);
-      const ShadedSegment seen{0, 0, longest.dist, longest.dist, colour, {}, colour, mesh, 0};
-      sink.add({ShadedRay::Kind::discrete, {&seen, 1}, 1});
+      const uint32_t first = record_.part_count();
+      if (mesh != kNoMesh) {
+        const auto share = static_cast<float>(std::min(longest.duration, 1.0));
+        const Vec3f colour = lerp(kShortest, kLongest, share);
+        const uint32_t knot = record_.add_knot(0, colour, {}, colour);
+        record_.add_part({{0, 0, longest.dist, longest.dist, mesh, 0, false}, knot});
+      }
+      const uint32_t parts = record_.part_count() - first;
+      record_.add_ray({film, 1, 0, first, parts, parts});
     }
 
     const BoundsIntegrator& integrator_;
+    RecordBuilder record_;
     uint64_t rays_ = 0;
   };
 

@@ -3,31 +3,36 @@
 
 #include <algorithm>
 
-#include "pixel/shaded_segment.h"
+#include "pixel/record_builder.h"
 
 namespace kairos {
 
-/// How differently the rays of a pixel look, as a display shows them: colours above 1 count as 1. Hands on to another
-/// sink, if there is one.
-class ContrastSink : public RaySink {
+/// How differently the rays of a pixel look, as a display shows them: colours above 1 count as 1.
+class Contrast {
  public:
-  explicit ContrastSink(Vec3f background) : background_(background) {}
+  explicit Contrast(Vec3f background) : background_(background) {}
 
-  void begin_pixel(RaySink* next) {
-    next_ = next;
+  void begin_pixel() {
     low_ = {1, 1, 1};
     high_ = {0, 0, 0};
   }
 
-  /// Of discrete rays.
-  void add(const ShadedRay& ray) override {
-    const Vec3f& colour = ray.segments.empty() ? background_ : ray.segments.front().colour;
+  /// Of rays of one instant, those from number `first` on.
+  void add(const RecordBuilder& record, size_t first) {
+    for (const PixelRay& ray : record.rays().subspan(first)) {
+      if (ray.parts == 0)
+        add(background_);
+      else
+        add(record.knots()[record.parts()[ray.first_part].first_knot].colour);
+    }
+  }
+
+  void add(const Vec3f& colour) {
     for (int i = 0; i < 3; ++i) {
       const float shown = std::clamp(colour[i], 0.0f, 1.0f);
       low_[i] = std::min(low_[i], shown);
       high_[i] = std::max(high_[i], shown);
     }
-    if (next_ != nullptr) next_->add(ray);
   }
 
   /// The sum over red, green and blue of (largest - smallest)^2; 0 to 3.
@@ -42,8 +47,7 @@ class ContrastSink : public RaySink {
 
  private:
   Vec3f background_;
-  RaySink* next_ = nullptr;
-  Vec3f low_, high_;
+  Vec3f low_{1, 1, 1}, high_{};
 };
 
 }  // namespace kairos

@@ -8,7 +8,7 @@
 #include "camera/pixel_filter.h"
 #include "integrators/shot_parts.h"
 #include "math/sampler.h"
-#include "pixel/shaded_segment.h"
+#include "pixel/record_builder.h"
 #include "shading/shader.h"
 
 namespace kairos {
@@ -19,7 +19,13 @@ struct PixelContext {
   Sampler sampler;
   PixelFilter filter;
   const Shader& shader;
+  Vec3f background{};
+  RecordNeeds needs{};
 
+  /// Where in the pixel a sample lies, as PixelRay::film.
+  Vec2f film(const SamplePoint& point) const {
+    return {static_cast<float>(0.5 + filter.offset(point.x)), static_cast<float>(0.5 + filter.offset(point.y))};
+  }
   /// The ray of a sample of pixel (x, y).
   Ray ray(int x, int y, const SamplePoint& point) const {
     return camera.at(x + 0.5 + filter.offset(point.x), y + 0.5 + filter.offset(point.y));
@@ -34,8 +40,9 @@ class Integrator {
   class Worker {
    public:
     virtual ~Worker() = default;
-    /// Hands the pixel's rays to the sink, in a fixed order. Polls the monitor, and so may throw Error(cancelled).
-    virtual void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) = 0;
+    /// The pixel's record, which depends on nothing rendered before; valid until the next call. Polls the monitor, and
+    /// so may throw Error(cancelled).
+    virtual const PixelRecord& render_pixel(int x, int y, Monitor& monitor) = 0;
     /// Adds this worker's counts to `stats`.
     virtual void add_counts(RenderStats& stats) const = 0;
   };
@@ -45,14 +52,6 @@ class Integrator {
   virtual void prepare(Monitor& /*monitor*/, RenderStats& /*stats*/) {}
   virtual std::unique_ptr<Worker> make_worker() const = 0;
 };
-
-/// Hands over a discrete ray that leaves the scene.
-inline void add_sky(const Shader& shader, const Ray& ray, float time, RaySink& sink) {
-  if (!shader.has_sky()) return sink.add({ShadedRay::Kind::discrete, {}, 0});
-  ShadedSegment seen{time, time, INFINITY, INFINITY, shader.sky(ray, time), {}, {}, kNoMesh, 0};
-  seen.coverage = 0;
-  sink.add({ShadedRay::Kind::discrete, {&seen, 1}, 0});
-}
 
 /// A slow pixel must not keep one waiting: poll the monitor once per this many rays.
 inline constexpr uint32_t kRaysPerPoll = 64;

@@ -5,8 +5,8 @@
 // that layer's colour along the ray, and L_k all of what the ray sees. Still rays are cheap, so there are more of them.
 // With their mean S and the mean S' over those that lie on the time-continuous rays' own places, the control variate
 //   I = mean_k(L_k) + mean_k(W_k) (S - S')
-// takes from the still layer the noise of the few rays and puts in that of the many. It is handed on as segments: the
-// still parts of every ray get the colour L_k's sample had, plus (S - S'), which sums to the same.
+// takes from the still layer the noise of the few rays and puts in that of the many. Its second term is handed on as a
+// term of its own, PixelRecord::still.
 #include <mutex>
 
 #include "base/parallel.h"
@@ -139,38 +139,44 @@ class MixedIntegrator : public Integrator {
           shading_(context_.shader, integrator.shading_),
           still_layer_(context_, integrator.scene_),
           samples_(context_, integrator.scene_),
-          contrast_(integrator.shot_.background) {}
+          contrast_(integrator.shot_.background),
+          record_(context_.needs.surfaces()) {}
 
-    void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
+    const PixelRecord& render_pixel(int x, int y, Monitor& monitor) override {
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
       const PixelPlan plan = begin_pixel(x, y, monitor);
       const bool moves = integrator_.mask_.moves(x, y);
       moving_pixels_ += moves;
+      record_.begin_pixel(x, y, context_.background);
+      record_.set_plan(plan, moves);
       if (plan.tc_rays > 0) {
         ++tc_pixels_;
-        return render_moving(x, y, pixel, plan, sink, monitor);
+        render_moving(x, y, pixel, plan, monitor);
+      } else {
+        render_discrete(x, y, pixel, moves ? DiscreteLayer::all : DiscreteLayer::still, monitor);
       }
-      const DiscreteLayer layer = moves ? DiscreteLayer::all : DiscreteLayer::still;
-      render_discrete(x, y, pixel, layer, sink, monitor);
+      return record_.finish();
     }
 
     /// What a pixel's first samples say.
     PixelLook look_at(int x, int y, Monitor& monitor) {
       const DiscreteLayer layer = integrator_.mask_.moves(x, y) ? DiscreteLayer::all : DiscreteLayer::still;
-      contrast_.begin_pixel(nullptr);
-      samples_.take(x, y, context_.sampler.pixel(x, y), 0, first_samples(integrator_.budget_), layer, contrast_,
-                    monitor);
+      record_.begin_pixel(x, y, context_.background);
+      samples_.take(x, y, context_.sampler.pixel(x, y), 0, first_samples(integrator_.budget_), layer, record_, monitor);
+      contrast_.begin_pixel();
+      contrast_.add(record_, 0);
       return {contrast_.square(), integrator_.sample_price(layer)};
     }
 
     /// What the pixel gets.
     PixelPlan begin_pixel(int x, int y, Monitor& monitor) {
-      if (!integrator_.mask_.moves(x, y)) return {};
+      const PixelPlan discrete{0, integrator_.budget_};
+      if (!integrator_.mask_.moves(x, y)) return discrete;
       const PixelPlan plan = integrator_.plan(x, y);
-      if (plan.tc_rays == 0) return {};
+      if (plan.tc_rays == 0) return discrete;
       align_ = align_points(integrator_.mask_, x, y);
       still_layer_.begin_pixel(x, y, context_.sampler.pixel(x, y), align_);
-      if (has_still_edge_in_front(x, y, monitor)) return {};
+      if (has_still_edge_in_front(x, y, monitor)) return discrete;
       return plan;
     }
 
@@ -198,24 +204,21 @@ class MixedIntegrator : public Integrator {
     }
 
     /// Discrete samples over pixel and shutter: as many as the pixel needs, each time twice what there are.
-    void render_discrete(int x, int y, const Sampler::Pixel& pixel, DiscreteLayer layer, RaySink& sink,
-                         Monitor& monitor) {
+    void render_discrete(int x, int y, const Sampler::Pixel& pixel, DiscreteLayer layer, Monitor& monitor) {
       const std::optional<SampleSpread>& spread = integrator_.spread_;
-      if (!spread) return samples_.take(x, y, pixel, 0, integrator_.budget_, layer, sink, monitor);
-      contrast_.begin_pixel(&sink);
+      if (!spread) return samples_.take(x, y, pixel, 0, integrator_.budget_, layer, record_, monitor);
+      contrast_.begin_pixel();
       uint32_t taken = first_samples(integrator_.budget_);
-      samples_.take(x, y, pixel, 0, taken, layer, contrast_, monitor);
+      samples_.take(x, y, pixel, 0, taken, layer, record_, monitor);
+      contrast_.add(record_, 0);
       while (taken < spread->count(contrast_.square())) {
-        samples_.take(x, y, pixel, taken, 2 * taken, layer, contrast_, monitor);
+        samples_.take(x, y, pixel, taken, 2 * taken, layer, record_, monitor);
+        contrast_.add(record_, taken);
         taken *= 2;
       }
     }
 
-    void render_moving(int x, int y, const Sampler::Pixel& pixel, const PixelPlan& plan, RaySink& sink,
-                       Monitor& monitor) {
-      shaded_.clear();
-      rays_.clear();
-      double still = 0;
+    void render_moving(int x, int y, const Sampler::Pixel& pixel, const PixelPlan& plan, Monitor& monitor) {
       constexpr uint32_t kMostRays = Tracer::kMaxPacket;
       for (uint32_t begin = 0; begin < plan.tc_rays; begin += kMostRays) {
         if (begin % kRaysPerPoll == 0) monitor.poll();
@@ -223,6 +226,7 @@ class MixedIntegrator : public Integrator {
         for (uint32_t i = 0; i < size; ++i) {
           const SamplePoint point = align_(context_.sampler.point(pixel, begin + i));
           batch_[i] = context_.ray(x, y, point);
+          film_[i] = context_.film(point);
           times_[i] = point.time;
         }
         std::span<const Segment> backdrops;
@@ -230,111 +234,84 @@ class MixedIntegrator : public Integrator {
         const std::span<const Ray> rays = std::span(batch_).first(size);
         const auto seen = integrator_.tracer_.trace_packet(rays, Visibility::visible, workspace_, backdrops,
                                                            integrator_.packets_.together(plan.tc_rays));
-        parts_.clear();
         ends_.clear();
-        shading_.shade({rays, seen, std::span(times_).first(size), pixel.seed, begin}, parts_, ends_);
+        uint32_t first = record_.part_count();
+        shading_.shade({rays, seen, std::span(times_).first(size), pixel.seed, begin}, record_, ends_);
         for (uint32_t i = 0; i < size; ++i) {
-          const size_t first = shaded_.size(), first_part = i == 0 ? 0 : ends_[i - 1];
-          still += append_with_background(std::span(parts_).subspan(first_part, ends_[i] - first_part));
-          rays_.push_back(
-              {first, shaded_.size(), static_cast<uint32_t>(seen[i].segments.size() + seen[i].veils.size())});
+          record_.add_ray({film_[i], 1, PixelRay::kAll, first, ends_[i] - first,
+                           static_cast<uint32_t>(seen[i].segments.size() + seen[i].veils.size())});
+          first = ends_[i];
         }
       }
-      if (still > 0 && !integrator_.still_layer_is_empty_) {
-        const uint32_t count =
-            integrator_.automatic_ ? still_rays(plan, still / plan.tc_rays) : std::max(plan.tc_rays, plan.discrete);
-        if (count > plan.tc_rays) correct_still_parts(plan.tc_rays, count, monitor);
-      }
-      for (const RayParts& ray : rays_)
-        sink.add({ShadedRay::Kind::tc, std::span(shaded_).subspan(ray.begin, ray.end - ray.begin), ray.segments});
+      if (!integrator_.still_layer_is_empty_) add_still_term(plan, monitor);
     }
 
-    /// Adds S - S' above. The still layer is looked at when it is seen: at instants spread over the time in which the
-    /// pixel's time-continuous rays see it, so that a colour that changes with time is weighted as it should be.
-    void correct_still_parts(uint32_t own, uint32_t all, Monitor& monitor) {
+    /// The still layer is looked at when it is seen: at instants spread over the time in which the pixel's
+    /// time-continuous rays see it, so that a colour that changes with time is weighted as it should be.
+    void add_still_term(const PixelPlan& plan, Monitor& monitor) {
       collect_still_time();
-      const LayerLook correction =
-          still_layer_.difference(own, all, monitor, [&](float place) { return still_time(place); });
-      for (ShadedSegment& part : shaded_)
-        if (is_still(part)) add_to(part, correction);
+      if (still_sums_.empty()) return;
+      const double share = still_sums_.back() / plan.tc_rays;
+      const uint32_t count = integrator_.automatic_ ? still_rays(plan, share) : std::max(plan.tc_rays, plan.discrete);
+      if (count <= plan.tc_rays) return;
+      const bool varies = still_layer_.add_rays(
+          count, monitor, [&](float place) { return still_time(place); }, record_);
+      record_.set_still(plan.tc_rays, varies);
     }
 
-    bool is_still(const ShadedSegment& part) const {
-      return part.mesh == kNoMesh || integrator_.shot_.meshes[part.mesh].is_static();
-    }
-
-    /// Appends a ray's parts, with segments of background in their gaps; returns how long it sees what is still.
-    double append_with_background(std::span<const ShadedSegment> parts) {
-      double still = 0;
-      float from = 0;
-      const auto fill_until = [&](float time) {
-        if (time <= from) return;
-        ShadedSegment gap{from, time, INFINITY, INFINITY, integrator_.shot_.background, {}, {}, kNoMesh, 0};
-        gap.coverage = 0;
-        shaded_.push_back(gap);
-        still += time - from;
-      };
-      for (const ShadedSegment& part : parts) {
-        fill_until(part.begin);
-        from = part.end;
-        if (is_still(part)) still += part.end - part.begin;
-        shaded_.push_back(part);
-      }
-      fill_until(1);
-      return still;
-    }
-
-    /// The stretches in which the pixel's rays see what is still, one after the other, with the running sum of
-    /// durations.
+    /// When the pixel's rays see what is still, one ray after the other, with the running sum of durations.
     void collect_still_time() {
-      stretches_.clear();
+      still_sums_.clear();
       double sum = 0;
-      for (const ShadedSegment& part : shaded_)
-        if (is_still(part)) {
-          sum += static_cast<double>(part.end) - static_cast<double>(part.begin);
-          stretches_.push_back({part.begin, part.end, sum});
+      const auto add = [&](float begin, float end, float share) {
+        if (!(begin < end) || !(share > 0)) return;
+        sum += (static_cast<double>(end) - static_cast<double>(begin)) * static_cast<double>(share);
+        record_.add_seen_still({begin, end, share});
+        still_sums_.push_back(sum);
+      };
+      for (const PixelRay& ray : record_.rays()) {
+        float from = 0;
+        const std::span<const SeenPart> parts = record_.parts_of(ray);
+        for (size_t i = 0; i < parts.size();) {
+          const Segment& where = parts[i].where;
+          add(from, where.begin, 1);  // the background
+          from = where.end;
+          float still = 0, open = 1;
+          do {
+            if (is_still(parts[i].where)) still += open * parts[i].opacity;
+            open *= 1 - parts[i].opacity;
+          } while (++i < parts.size() && parts[i].layer > 0);
+          add(where.begin, where.end, still + open);
         }
+        add(from, 1, 1);
+      }
     }
-    /// The instant at the share `place`, 0 to 1, of these stretches.
+    bool is_still(const Segment& seen) const {
+      return seen.mesh == kNoMesh || integrator_.shot_.meshes[seen.mesh].is_static();
+    }
+    /// The instant at the share `place`, 0 to 1, of this time.
     float still_time(float place) const {
-      const double wanted = static_cast<double>(place) * stretches_.back().sum;
-      const auto at = std::lower_bound(stretches_.begin(), stretches_.end(), wanted,
-                                       [](const Stretch& stretch, double value) { return stretch.sum < value; });
-      const Stretch& stretch = at == stretches_.end() ? stretches_.back() : *at;
-      return std::clamp(stretch.end - static_cast<float>(stretch.sum - wanted), stretch.begin, stretch.end);
+      const double wanted = static_cast<double>(place) * still_sums_.back();
+      const auto at = std::min(std::lower_bound(still_sums_.begin(), still_sums_.end(), wanted), still_sums_.end() - 1);
+      const SeenStill& range = record_.seen_still()[static_cast<size_t>(at - still_sums_.begin())];
+      return std::clamp(range.end - static_cast<float>((*at - wanted) / static_cast<double>(range.share)), range.begin,
+                        range.end);
     }
-
-    static void add_to(ShadedSegment& part, const LayerLook& correction) {
-      part.colour += correction.colour;
-      part.normal += correction.normal;
-      part.albedo += correction.albedo;
-      part.coverage += correction.coverage;
-    }
-
-    struct RayParts {
-      size_t begin, end;  // of shaded_
-      uint32_t segments;
-    };
-    struct Stretch {
-      float begin, end;
-      double sum;
-    };
 
     const MixedIntegrator& integrator_;
     const PixelContext& context_;
     Tracer::Workspace workspace_;
     PacketShading shading_;
-    std::vector<ShadedSegment> parts_;   // of a packet's rays
-    std::vector<size_t> ends_;           // [ray]: of its part of parts_
-    std::vector<ShadedSegment> shaded_;  // of all of a pixel's time-continuous rays
-    std::vector<RayParts> rays_;
-    std::vector<Stretch> stretches_;
-    AlignedPoints align_;  // of the pixel's time-continuous rays
+    std::vector<uint32_t> ends_;      // [ray of a packet]: of its parts
+    std::vector<double> still_sums_;  // [RecordBuilder::seen_still]: of durations up to there
+    AlignedPoints align_;             // of the pixel's time-continuous rays
     StillLayer still_layer_;
     DiscreteSamples samples_;
-    ContrastSink contrast_;
-    std::array<Ray, kRaysPerPoll> batch_;
-    std::array<float, kRaysPerPoll> times_{};
+    Contrast contrast_;
+    RecordBuilder record_;
+    std::array<Ray, Tracer::kMaxPacket> batch_;
+    std::array<Vec2f, Tracer::kMaxPacket> film_{};
+    std::array<float, Tracer::kMaxPacket> times_{};
     uint64_t moving_pixels_ = 0, tc_pixels_ = 0;
   };
 

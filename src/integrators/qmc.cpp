@@ -17,10 +17,14 @@ class QmcIntegrator : public Integrator {
   class QmcWorker : public Worker {
    public:
     explicit QmcWorker(const QmcIntegrator& integrator)
-        : context_(integrator.context_), samples_(context_, integrator.scene_) {}
+        : context_(integrator.context_), samples_(context_, integrator.scene_), record_(context_.needs.surfaces()) {}
 
-    void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
-      samples_.take(x, y, context_.sampler.pixel(x, y), 0, context_.sampler.count(), DiscreteLayer::all, sink, monitor);
+    const PixelRecord& render_pixel(int x, int y, Monitor& monitor) override {
+      record_.begin_pixel(x, y, context_.background);
+      record_.set_plan({0, context_.sampler.count()}, true);
+      samples_.take(x, y, context_.sampler.pixel(x, y), 0, context_.sampler.count(), DiscreteLayer::all, record_,
+                    monitor);
+      return record_.finish();
     }
 
     void add_counts(RenderStats& stats) const override {
@@ -32,6 +36,7 @@ class QmcIntegrator : public Integrator {
    private:
     const PixelContext& context_;
     DiscreteSamples samples_;
+    RecordBuilder record_;
   };
 
   const PixelContext& context_;

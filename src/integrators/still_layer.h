@@ -12,23 +12,6 @@
 
 namespace kairos {
 
-/// A colour and the values of the AOVs: of these, sums and differences make sense.
-struct LayerLook {
-  Vec3f colour, normal, albedo;
-  float coverage = 0;
-
-  LayerLook& operator+=(const LayerLook& other) {
-    colour += other.colour;
-    normal += other.normal;
-    albedo += other.albedo;
-    coverage += other.coverage;
-    return *this;
-  }
-  friend LayerLook operator*(const LayerLook& a, float s) {
-    return {a.colour * s, a.normal * s, a.albedo * s, a.coverage * s};
-  }
-};
-
 /// The first rays of a pixel through what stands still, traced when they are first needed. One thread's scratch memory.
 class StillLayer {
  public:
@@ -41,6 +24,7 @@ class StillLayer {
     pixel_ = pixel;
     align_ = align;
     rays_.clear();
+    film_.clear();
     times_.clear();
     hits_.clear();
   }
@@ -66,19 +50,21 @@ class StillLayer {
         std::count_if(hits_.begin(), hits_.begin() + count, [&](const auto& hit) { return hit && hit->dist < dist; }));
   }
 
-  /// The mean over `all` rays, less that over the first `own` of them. time_of(sample time): when a ray looks.
+  /// Adds the first `count` rays and what they see to `out`. time_of(sample time): when a ray looks. Returns whether
+  /// they may look different at other instants.
   template <class TimeOf>
-  LayerLook difference(uint32_t own, uint32_t all, Monitor& monitor, const TimeOf& time_of) {
-    trace(all, monitor);
-    LayerLook sum_all, sum_own;
-    for (uint32_t i = 0; i < all; ++i) {
-      const LayerLook look = shade(i, time_of(times_[i]));
-      sum_all += look;
-      if (i < own) sum_own += look;
+  bool add_rays(uint32_t count, Monitor& monitor, const TimeOf& time_of, RecordBuilder& out) {
+    trace(count, monitor);
+    bool varies = false;
+    for (uint32_t i = 0; i < count; ++i) {
+      const float time = time_of(times_[i]);
+      const uint32_t first = out.part_count();
+      const uint32_t parts = add_seen(context_.shader, rays_[i], time, hits_[i], {pixel_.seed, i}, out);
+      out.add_still_ray({film_[i], 1, time, first, parts, 0});
+      evaluations_ += hits_[i].has_value();
+      varies |= hits_[i] ? context_.shader.varies(hits_[i]->mesh) : context_.shader.sky_varies();
     }
-    LayerLook difference = sum_all * (1 / static_cast<float>(all));
-    difference += sum_own * (-1 / static_cast<float>(own));
-    return difference;
+    return varies;
   }
 
   uint64_t ray_count() const { return ray_count_; }
@@ -92,6 +78,7 @@ class StillLayer {
       for (size_t i = begin; i < end; ++i) {
         const SamplePoint point = align_(context_.sampler.point(pixel_, static_cast<uint32_t>(i)));
         rays_.push_back(context_.ray(x_, y_, point));
+        film_.push_back(context_.film(point));
         times_.push_back(point.time);
       }
       hits_.resize(end);
@@ -101,20 +88,13 @@ class StillLayer {
     }
   }
 
-  LayerLook shade(uint32_t index, float time) {
-    const Ray& ray = rays_[index];
-    if (!hits_[index]) return {context_.shader.sky(ray, time), {}, {}, 0};
-    ++evaluations_;
-    const ShadedSegment seen = shade_hit(context_.shader, ray, time, *hits_[index], {pixel_.seed, index});
-    return {seen.colour, seen.normal, seen.albedo, 1};
-  }
-
   const PixelContext& context_;
   const DiscreteScene& scene_;
   int x_ = 0, y_ = 0;
   Sampler::Pixel pixel_;
   AlignedPoints align_;
   std::vector<Ray> rays_;
+  std::vector<Vec2f> film_;
   std::vector<float> times_;
   std::vector<std::optional<DiscreteHit>> hits_;
   std::vector<Segment> backdrops_;

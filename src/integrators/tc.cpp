@@ -30,9 +30,12 @@ class TcIntegrator : public Integrator {
     explicit TcWorker(const TcIntegrator& integrator)
         : integrator_(integrator),
           context_(integrator.context_),
-          shading_(integrator.context_.shader, integrator.shading_) {}
+          shading_(integrator.context_.shader, integrator.shading_),
+          record_(context_.needs.surfaces()) {}
 
-    void render_pixel(int x, int y, RaySink& sink, Monitor& monitor) override {
+    const PixelRecord& render_pixel(int x, int y, Monitor& monitor) override {
+      record_.begin_pixel(x, y, context_.background);
+      record_.set_plan({context_.sampler.count(), 0}, true);
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
       const uint32_t count = context_.sampler.count();
       const AlignedPoints align =
@@ -43,20 +46,22 @@ class TcIntegrator : public Integrator {
         for (uint32_t i = 0; i < size; ++i) {
           const SamplePoint point = align(context_.sampler.point(pixel, begin + i));
           rays_[i] = context_.ray(x, y, point);
+          film_[i] = context_.film(point);
           times_[i] = point.time;
         }
         const std::span<const Ray> rays = std::span(rays_).first(size);
         const auto seen = integrator_.tracer_.trace_packet(rays, Visibility::visible, workspace_, {},
                                                            integrator_.packets_.together(count));
-        shaded_.clear();
         ends_.clear();
-        shading_.shade({rays, seen, std::span(times_).first(size), pixel.seed, begin}, shaded_, ends_);
+        uint32_t first = record_.part_count();
+        shading_.shade({rays, seen, std::span(times_).first(size), pixel.seed, begin}, record_, ends_);
         for (uint32_t i = 0; i < size; ++i) {
-          const size_t first = i == 0 ? 0 : ends_[i - 1];
-          sink.add({ShadedRay::Kind::tc, std::span(shaded_).subspan(first, ends_[i] - first),
-                    static_cast<uint32_t>(seen[i].segments.size() + seen[i].veils.size())});
+          record_.add_ray({film_[i], 1, PixelRay::kAll, first, ends_[i] - first,
+                           static_cast<uint32_t>(seen[i].segments.size() + seen[i].veils.size())});
+          first = ends_[i];
         }
       }
+      return record_.finish();
     }
 
     void add_counts(RenderStats& stats) const override {
@@ -73,10 +78,11 @@ class TcIntegrator : public Integrator {
     const PixelContext& context_;
     Tracer::Workspace workspace_;
     std::array<Ray, kMostRays> rays_;
+    std::array<Vec2f, kMostRays> film_{};
     std::array<float, kMostRays> times_{};  // of the sample points
     PacketShading shading_;
-    std::vector<ShadedSegment> shaded_;  // of a packet's rays
-    std::vector<size_t> ends_;           // [ray]: of its part of shaded_
+    RecordBuilder record_;
+    std::vector<uint32_t> ends_;  // [ray of a packet]: of its parts
   };
 
   const PixelContext& context_;

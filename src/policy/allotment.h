@@ -8,15 +8,11 @@
 #include <cstdint>
 #include <limits>
 
+#include <kairos/record.h>
+
 #include "policy/ray_prices.h"
 
 namespace kairos {
-
-struct PixelPlan {
-  uint32_t tc_rays = 0;  ///< 0: discrete samples of everything instead
-  uint32_t discrete =
-      0;  ///< samples: at most so many of what stands still beside time-continuous rays, else of everything
-};
 
 /// Time-continuous rays are chosen when they are worth this much more than the samples they replace, and those more
 /// than they are on average where samples go where they are needed: prices are estimates and vary over the picture, and

@@ -53,8 +53,8 @@ RayWork sample_ray_work(const PixelContext& context, const Shot& shot, const Mot
   const Sampler::Pixel place = sampler.pixel(0, 0);
   Tracer::Workspace workspace;
   PacketShading shading(context.shader, options);
-  std::vector<ShadedSegment> shaded;
-  std::vector<size_t> ends;
+  RecordBuilder shaded;
+  std::vector<uint32_t> ends;
   std::array<float, kRays> phases;
   phases.fill(0.5f);
   std::array<Ray, kRays> rays;

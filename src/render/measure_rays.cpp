@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <kairos/error.h>
+#include <kairos/picture.h>
 
-#include "film/film.h"
 #include "shading/spread.h"
 
 namespace kairos {
@@ -66,9 +66,7 @@ class Way {
       : pixels_(pixels),
         context_{CameraRays(parts.shot().projection),
                  Sampler(params.sampler, static_cast<uint32_t>(std::max(params.spp, params.tc_rays)), params.seed),
-                 PixelFilter(params.filter), shader},
-        film_(1, 1, Crop{0, 1, 0, 1}, {}),
-        sum_(parts.shot().background, false) {
+                 PixelFilter(params.filter), shader, parts.shot().background} {
     RenderStats stats;
     integrator_ = params.integrator == IntegratorKind::qmc ? make_qmc_integrator(parts, params, context_)
                                                            : make_mixed_integrator(parts, params, context_, stats);
@@ -82,11 +80,7 @@ class Way {
     int times = 0;
     double seconds = 0;
     do {
-      for (const auto& [x, y] : pixels_) {
-        sum_.clear();
-        worker_->render_pixel(x, y, sum_, monitor);
-        film_.set(0, 0, sum_);
-      }
+      for (const auto& [x, y] : pixels_) colours_ += reduce(worker_->render_pixel(x, y, monitor), {}, false).colour;
       ++times;
       seconds = thread_seconds() - start;
     } while (seconds < kShortest);
@@ -100,8 +94,7 @@ class Way {
  private:
   const Pixels& pixels_;
   PixelContext context_;
-  Film film_;
-  PixelSum sum_;
+  Vec3f colours_;  // of all, so that none is left out
   std::unique_ptr<Integrator> integrator_;
   std::unique_ptr<Integrator::Worker> worker_;
   std::vector<double> nanoseconds_;

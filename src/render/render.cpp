@@ -4,12 +4,12 @@
 #include <ctime>
 #include <mutex>
 
+#include <kairos/picture.h>
 #include <kairos/render.h>
 #include <kairos/version.h>
 
 #include "base/parallel.h"
 #include "discrete/uniform_runs.h"
-#include "film/film.h"
 #include "integrators/integrator.h"
 #include "integrators/shot_parts.h"
 #include "policy/ray_prices.h"
@@ -30,6 +30,8 @@ constexpr int kMostDepth = 64;
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::bad_usage, "", what); }
 
+bool shows_bounds(ShadingKind kind) { return kind == ShadingKind::bounds || kind == ShadingKind::bounds_exact; }
+
 void check(const Projection& p, const RenderParams& params, const Crop& crop) {
   if (p.width < 1 || p.height < 1 || p.width > kMaxSide || p.height > kMaxSide)
     refuse("image width and height must be 1 to " + std::to_string(kMaxSide));
@@ -47,6 +49,15 @@ void check(const Projection& p, const RenderParams& params, const Crop& crop) {
   if (params.calibration) prices_of(*params.calibration);
   if (params.discrete_keys < 0 || params.discrete_keys > static_cast<int>(kMaxTimeSteps))
     refuse("keys for discrete rays must be 0 to " + std::to_string(kMaxTimeSteps));
+}
+
+void check(const RenderParams& params, const RecordNeeds& needs) {
+  const bool exact = needs.time == RecordNeeds::Time::segments;
+  if (exact && (params.integrator == IntegratorKind::qmc || shows_bounds(params.shading)))
+    refuse(
+        "discrete rays and pictures of bounds have no segments, which a consumer needs; use the integrator tc, mixed "
+        "or auto with "
+        "another shading");
 }
 
 /// Samples per pixel that are asked for.
@@ -70,8 +81,6 @@ uint32_t point_count(const RenderParams& params) {
   return most_samples(samples);
 }
 
-bool shows_bounds(ShadingKind kind) { return kind == ShadingKind::bounds || kind == ShadingKind::bounds_exact; }
-
 std::unique_ptr<Integrator> make_integrator(ShotParts& parts, const RenderParams& params, const PixelContext& context,
                                             RenderStats& stats) {
   if (shows_bounds(params.shading)) return make_bounds_integrator(parts.shot(), params, context, stats);
@@ -91,24 +100,21 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void render_tiles(const Integrator& integrator, const Shot& shot, const RenderParams& params, const Crop& crop,
-                  Monitor& monitor, Film& film, RenderStats& stats) {
-  const bool count_meshes = std::find(params.aovs.begin(), params.aovs.end(), Aov::mesh) != params.aovs.end();
+void render_tiles(const Integrator& integrator, std::span<PixelConsumer* const> consumers, const Crop& crop,
+                  Monitor& monitor, RenderStats& stats) {
   const int tile_width = kTileSize * kTileSize / std::min(kTileSize, crop.y1 - crop.y0);
   const int columns = (crop.x1 - crop.x0 + tile_width - 1) / tile_width;
   const int rows = (crop.y1 - crop.y0 + kTileSize - 1) / kTileSize;
   std::mutex mutex;  // of stats
   parallel_for(static_cast<size_t>(columns) * static_cast<size_t>(rows), 1, [&](size_t first_tile, size_t last_tile) {
     const auto worker = integrator.make_worker();
-    PixelSum sum(shot.background, count_meshes);
     for (size_t tile = first_tile; tile < last_tile; ++tile) {
       const int left = crop.x0 + static_cast<int>(tile % static_cast<size_t>(columns)) * tile_width;
       const int top = crop.y0 + static_cast<int>(tile / static_cast<size_t>(columns)) * kTileSize;
       for (int y = top; y < std::min(top + kTileSize, crop.y1); ++y)
         for (int x = left; x < std::min(left + tile_width, crop.x1); ++x) {
-          sum.clear();
-          worker->render_pixel(x, y, sum, monitor);
-          film.set(x, y, sum);
+          const PixelRecord& record = worker->render_pixel(x, y, monitor);
+          for (PixelConsumer* consumer : consumers) consumer->add(record);
           monitor.finish_pixel();
         }
     }
@@ -132,12 +138,19 @@ std::string calibration_text(const std::optional<Calibration>& calibration) {
   return text + " ns";
 }
 
-void describe(Image& image, const Shot& shot, const RenderParams& params, const RenderStats& stats, int samples) {
+}  // namespace
+
+Renderer::Renderer(const Shot& shot) : parts_(std::make_unique<ShotParts>(shot)) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+void describe(Image& image, const Shot& shot, const RenderParams& params, const RenderStats& stats) {
   const auto put = [&](const char* name, auto value) { image.attributes.push_back({name, value}); };
   put("kairos:version", std::string(version()));
   if (!shows_bounds(params.shading))
     put("kairos:integrator", std::string(name_of(kIntegratorNames, params.integrator)));
-  put("kairos:samples", samples);
+  put("kairos:samples", sample_count(params));
   if (params.integrator == IntegratorKind::mixed) put("kairos:tc_rays", params.tc_rays);
   if (params.integrator != IntegratorKind::qmc) {
     put("kairos:shading_samples", params.shading_samples);
@@ -158,19 +171,14 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
   }
 }
 
-}  // namespace
-
-Renderer::Renderer(const Shot& shot) : parts_(std::make_unique<ShotParts>(shot)) {}
-Renderer::~Renderer() = default;
-Renderer::Renderer(Renderer&&) noexcept = default;
-Renderer& Renderer::operator=(Renderer&&) noexcept = default;
-
-Image Renderer::render(const RenderParams& params, RenderStats* stats_out, const Progress& progress) {
+void Renderer::render(const RenderParams& params, std::span<PixelConsumer* const> consumers, RenderStats* stats_out,
+                      const Progress& progress) {
   const Shot& shot = parts_->shot();
   const Crop crop = params.crop.value_or(Crop{0, shot.projection.width, 0, shot.projection.height});
   check(shot.projection, params, crop);
-  const bool want_normal = std::find(params.aovs.begin(), params.aovs.end(), Aov::normal) != params.aovs.end();
-  Film film(shot.projection.width, shot.projection.height, crop, params.aovs);
+  RecordNeeds needs;
+  for (const PixelConsumer* consumer : consumers) needs = needs | consumer->needs();
+  check(params, needs);
 
   const ThreadLimit limit(params.threads);
   RenderStats stats;
@@ -178,10 +186,14 @@ Image Renderer::render(const RenderParams& params, RenderStats* stats_out, const
   const bool want_variation =
       params.integrator != IntegratorKind::qmc && shading_options(params).clusters == Clusters::pixel;
   const Shader& shader =
-      parts_->shader(params.shading, want_normal, params.max_depth, params.discrete_keys, want_variation);
+      parts_->shader(params.shading, needs.normal, params.max_depth, params.discrete_keys, want_variation);
   auto start = std::chrono::steady_clock::now();
-  const PixelContext context{CameraRays(shot.projection), Sampler(params.sampler, point_count(params), params.seed),
-                             PixelFilter(params.filter), shader};
+  const PixelContext context{CameraRays(shot.projection),
+                             Sampler(params.sampler, point_count(params), params.seed),
+                             PixelFilter(params.filter),
+                             shader,
+                             shot.background,
+                             needs};
   const double own_seconds = seconds_since(start);  // of this picture alone
   const auto integrator = make_integrator(*parts_, params, context, stats);
   stats.parts = parts_->take_build_seconds();
@@ -194,13 +206,22 @@ Image Renderer::render(const RenderParams& params, RenderStats* stats_out, const
   integrator->prepare(monitor, stats);
   stats.prepare_seconds = seconds_since(start);
   stats.prepare_cpu_seconds = cpu_seconds();
-  render_tiles(*integrator, shot, params, crop, monitor, film, stats);
+  render_tiles(*integrator, consumers, crop, monitor, stats);
   monitor.finish();
   stats.render_seconds = seconds_since(start);
   stats.render_cpu_seconds = cpu_seconds();
+  if (stats_out != nullptr) *stats_out = stats;
+}
 
-  Image image = film.take();
-  describe(image, shot, params, stats, sample_count(params));
+Image Renderer::render(const RenderParams& params, RenderStats* stats_out, const Progress& progress) {
+  const Shot& shot = parts_->shot();
+  check(shot.projection, params, params.crop.value_or(Crop{0, shot.projection.width, 0, shot.projection.height}));
+  Picture picture(shot.projection, params);
+  PixelConsumer* const consumer = &picture;
+  RenderStats stats;
+  render(params, {&consumer, 1}, &stats, progress);
+  Image image = picture.take();
+  describe(image, shot, params, stats);
   if (stats_out != nullptr) *stats_out = stats;
   return image;
 }

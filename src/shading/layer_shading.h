@@ -2,11 +2,10 @@
 #pragma once
 
 #include <algorithm>
-#include <limits>
 #include <span>
 #include <vector>
 
-#include "pixel/shaded_segment.h"
+#include "pixel/record_builder.h"
 #include "shading/layers.h"
 #include "shading/shader.h"
 #include "shading/spread.h"
@@ -18,10 +17,10 @@ class LayerShading {
  public:
   explicit LayerShading(const Shader& shader) : shader_(shader) {}
 
-  /// options, share, phase: see spread_samples; every sample takes in all layers. key: of the next shading evaluation;
-  /// counts on. Returns the number of evaluations. docs/method.md, "Veils".
+  /// options, share, phase: see spread_samples; every sample takes in all layers, each of which is a part of its own.
+  /// key: of the next shading evaluation; counts on. Returns the number of evaluations. docs/method.md, "Veils".
   uint64_t shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> veils,
-                 ShadingOptions options, double share, float phase, SampleKey& key, std::vector<ShadedSegment>& out) {
+                 ShadingOptions options, double share, float phase, SampleKey& key, RecordBuilder& out) {
     layers_.build(segments, veils, shader_.has_sky());
     veils_ = veils;
     const std::span<const Segment> stretches = layers_.stretches();
@@ -37,22 +36,19 @@ class LayerShading {
     spread_samples(stretches, options.samples, share, phase, joined, varies, samples_);
     const uint32_t first = key.index;
     for (const ShadingSample& sample : samples_) {
-      const View view = view_at(ray, sample, key);
+      look(ray, sample, key, out);
       for (size_t i = sample.first; i < stretches.size() && stretches[i].begin < sample.end; ++i)
-        out.push_back(part_of(i, sample, view));
+        add_parts(i, sample, out);
     }
     return key.index - first;
   }
 
  private:
-  static constexpr size_t kNone = std::numeric_limits<size_t>::max();
-
-  /// All layers at an instant.
-  struct View {
-    Vec3f colour, normal, albedo;
-    float coverage = 0;
-    size_t nearest = kNone;  // of the layers, counted from the front, the first that is seen
-    size_t named = kNone;    // and that with the largest share
+  /// A layer at the instant of a sample.
+  struct Seen {
+    size_t depth;  // counted from the front, with those of which nothing is seen
+    uint32_t knot;
+    float opacity;
   };
 
   /// Layer `depth` of a stretch: a veil, or what is behind them all.
@@ -70,59 +66,51 @@ class LayerShading {
     return back.mesh == kNoMesh ? next.mesh == kNoMesh : shader_.joined(back, next);
   }
 
-  View view_at(const Ray& ray, const ShadingSample& sample, SampleKey& key) const {
-    View view;
-    float open = 1;      // the share of the light from behind that comes through so far
-    float heaviest = 0;  // the share of the layer `named`
-    const auto add = [&](size_t depth, float share) {
-      const Segment& seen = layer(sample.segment, depth);
-      const Shade shade = shader_.shade(ray, seen.mesh, seen.triangle, sample.time, key);
+  /// Fills seen_.
+  void look(const Ray& ray, const ShadingSample& sample, SampleKey& key, RecordBuilder& out) {
+    seen_.clear();
+    const auto add = [&](size_t depth, float opacity) {
+      const Segment& surface = layer(sample.segment, depth);
+      const Shade shade = shader_.shade(ray, surface.mesh, surface.triangle, sample.time, key);
       ++key.index;
-      view.colour += shade.colour * share;
-      view.normal += shade.normal * share;
-      view.albedo += shade.albedo * share;
-      if (view.nearest == kNone) view.nearest = depth;
-      if (share <= heaviest) return;
-      heaviest = share;
-      view.named = depth;
+      seen_.push_back({depth, out.add_knot(sample.time, shade.colour, shade.normal, shade.albedo), opacity});
     };
+    float open = 1;  // the share of the light from behind that comes through so far
     const size_t veils = layers_.before(sample.segment).size();
     for (size_t depth = 0; depth < veils && open > 0; ++depth) {
       const Segment& veil = layer(sample.segment, depth);
       const float opacity = shader_.opacity(ray, veil.mesh, veil.triangle, sample.time);
-      if (opacity > 0) add(depth, open * opacity);
+      if (opacity > 0) add(depth, opacity);
       open *= 1 - opacity;
     }
-    if (open > 0 && layer(sample.segment, veils).mesh != kNoMesh) {
-      add(veils, open);
-      open = 0;
-    } else if (open > 0) {
-      view.colour += shader_.sky(ray, sample.time) * open;
-    }
-    view.coverage = 1 - open;
-    return view;
+    if (!(open > 0)) return;
+    if (layer(sample.segment, veils).mesh != kNoMesh)
+      add(veils, 1);
+    else if (shader_.has_sky() || seen_.empty())
+      seen_.push_back({veils, out.add_knot(sample.time, shader_.sky(ray, sample.time), {}, {}), 1});
   }
 
   /// What the sample stands for within a stretch. The stretches of a cluster have the same number of layers.
-  ShadedSegment part_of(size_t stretch, const ShadingSample& sample, const View& view) const {
+  void add_parts(size_t stretch, const ShadingSample& sample, RecordBuilder& out) const {
     const Segment& within = layers_.stretches()[stretch];
     const float begin = std::max(within.begin, sample.begin), end = std::min(within.end, sample.end);
-    const Segment& nearest = view.nearest == kNone ? within : layer(stretch, view.nearest);
-    ShadedSegment part{
-        begin,   end, distance_at(nearest, begin), distance_at(nearest, end), view.colour, view.normal, view.albedo,
-        kNoMesh, 0};
-    if (view.named != kNone) {
-      part.mesh = layer(stretch, view.named).mesh;
-      part.triangle = layer(stretch, view.named).triangle;
+    uint32_t number = 0;
+    for (const Seen& seen : seen_) {
+      const Segment& surface = layer(stretch, seen.depth);
+      out.add_part({{begin, end, distance_at(surface, begin), distance_at(surface, end), surface.mesh, surface.triangle,
+                     surface.front},
+                    seen.knot,
+                    1,
+                    number++,
+                    seen.opacity});
     }
-    part.coverage = view.coverage;
-    return part;
   }
 
   const Shader& shader_;
   Layers layers_;
   std::span<const Segment> veils_;  // of the ray being shaded
   std::vector<ShadingSample> samples_;
+  std::vector<Seen> seen_;
 };
 
 }  // namespace kairos

@@ -4,7 +4,7 @@
 #include <limits>
 #include <tuple>
 
-#include "pixel/shaded_segment.h"
+#include <kairos/record.h>
 
 namespace kairos {
 

@@ -1,4 +1,4 @@
-// From the visibility segments of a packet of rays to segments with colours: shared by the integrators that trace
+// From the visibility segments of a packet of rays to parts with colours: shared by the integrators that trace
 // time-continuous rays.
 #pragma once
 
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "math/hash.h"
-#include "pixel/shaded_segment.h"
+#include "pixel/record_builder.h"
 #include "shading/segment_shading.h"
 #include "shading/shader.h"
 #include "shading/spread.h"
@@ -31,16 +31,16 @@ class PacketShading {
     uint32_t first;  ///< number of the first ray within its pixel
   };
 
-  /// Appends the shaded parts of all rays' segments to `out`, ray by ray, and for each ray to `ends` the size of `out`
-  /// after it. The parts of a ray cover exactly what its segments cover, and each is part of one of them.
-  void shade(const Packet& packet, std::vector<ShadedSegment>& out, std::vector<size_t>& ends) {
+  /// Appends the parts of all rays' segments to `out`, ray by ray, and for each ray to `ends` the number of parts after
+  /// it. The parts of a ray cover exactly what its segments cover, and each is part of one of them.
+  void shade(const Packet& packet, RecordBuilder& out, std::vector<uint32_t>& ends) {
     const bool layered = shader_.has_sky() || std::any_of(packet.seen.begin(), packet.seen.end(),
                                                           [](const SeenByRay& ray) { return !ray.veils.empty(); });
     if (options_.clusters == Clusters::pixel && !layered) return shade_together(packet, out, ends);
     for (size_t i = 0; i < packet.rays.size(); ++i) {
       single_.shade(packet.rays[i], packet.seen[i].segments, packet.seen[i].veils, packet.pixel_seed,
                     packet.first + static_cast<uint32_t>(i), packet.phases[i], out);
-      ends.push_back(out.size());
+      ends.push_back(out.part_count());
     }
   }
 
@@ -56,16 +56,16 @@ class PacketShading {
     float passed = 0;         ///< of it, in a walk over all segments
     uint32_t parts = 1;       ///< equal ones, with a shading sample each
     uint32_t part = 0;        ///< in a walk: the next one
-    uint32_t first_look = 0;  ///< of parts
+    uint32_t first_knot = 0;  ///< of parts
     float phase = 0;          ///< where in its part a sample lies
 
     float part_end(uint32_t index) const { return time * (static_cast<float>(index + 1) / static_cast<float>(parts)); }
   };
 
-  void shade_together(const Packet& packet, std::vector<ShadedSegment>& out, std::vector<size_t>& ends) {
+  void shade_together(const Packet& packet, RecordBuilder& out, std::vector<uint32_t>& ends) {
     group_by_triangle(packet);
-    place_samples(packet);
-    take_samples(packet);
+    place_samples(packet, out);
+    take_samples(packet, out);
     hand_out(packet, out, ends);
   }
 
@@ -97,27 +97,27 @@ class PacketShading {
   }
 
   /// To a group as many samples as are in proportion to its time and to how much its colours differ, and at least one.
-  void place_samples(const Packet& packet) {
+  void place_samples(const Packet& packet, RecordBuilder& out) {
     const float samples = static_cast<float>(options_.samples) * kVariationScale;
     float phase = unit_float(hash(packet.pixel_seed, packet.first, kPhaseDimension));
-    uint32_t looks = 0;
+    uint32_t samples_taken = 0;
     for (Group& group : groups_) {
       const float variation = shader_.variation(group.mesh, group.triangle, group.last - group.first);
       const float wanted = std::ceil(samples * variation * group.time);
       const float most = static_cast<float>(options_.samples) * static_cast<float>(group.segments);
       group.parts = static_cast<uint32_t>(std::clamp(wanted, 1.0f, most));
-      group.first_look = looks;
+      group.first_knot = out.knot_count() + samples_taken;
       group.phase = phase;
-      looks += group.parts;
+      samples_taken += group.parts;
       phase += kGoldenShare;  // groups' samples lie at different fractions, spread evenly
       phase -= phase >= 1 ? 1.0f : 0.0f;
     }
-    looks_.resize(looks);
-    evaluations_ += looks;
+    out.add_knots(samples_taken);
+    evaluations_ += samples_taken;
   }
 
   /// Shades every part of every group at one instant of one of its segments.
-  void take_samples(const Packet& packet) {
+  void take_samples(const Packet& packet, RecordBuilder& out) {
     if (key_.seed != packet.pixel_seed) key_ = {packet.pixel_seed, kFirstKey};
     auto index = group_of_.begin();
     for (size_t r = 0; r < packet.rays.size(); ++r)
@@ -132,22 +132,22 @@ class PacketShading {
           // Half-open: at its very end something else is seen.
           const float latest = std::nextafter(segment.end, 0.0f);
           const float time = std::max(segment.begin, std::min(segment.begin + (place - group.passed), latest));
-          looks_[group.first_look + group.part++] =
-              shader_.shade(packet.rays[r], segment.mesh, segment.triangle, time, key_);
+          const Shade shade = shader_.shade(packet.rays[r], segment.mesh, segment.triangle, time, key_);
           ++key_.index;
+          out.set_knot(group.first_knot + group.part++, time, shade.colour, shade.normal, shade.albedo);
         }
         group.passed = passed;
       }
     for (Group& group : groups_) group.passed = group.part = 0;
   }
 
-  void hand_out(const Packet& packet, std::vector<ShadedSegment>& out, std::vector<size_t>& ends) {
+  void hand_out(const Packet& packet, RecordBuilder& out, std::vector<uint32_t>& ends) {
     auto index = group_of_.begin();
     for (size_t r = 0; r < packet.rays.size(); ++r) {
       for (const Segment& segment : packet.seen[r].segments) {
         Group& group = groups_[*index++];
         if (group.parts == 1) {
-          out.push_back(part_of(segment, segment.begin, segment.end, looks_[group.first_look]));
+          out.add_part(part_of(segment, segment.begin, segment.end, group.first_knot));
           continue;
         }
         float begin = segment.begin;
@@ -155,13 +155,13 @@ class PacketShading {
           const float end = segment.begin + (group.part_end(group.part) - group.passed);
           if (!(end < segment.end)) break;
           if (!(begin < end)) continue;
-          out.push_back(part_of(segment, begin, end, looks_[group.first_look + group.part]));
+          out.add_part(part_of(segment, begin, end, group.first_knot + group.part));
           begin = end;
         }
-        out.push_back(part_of(segment, begin, segment.end, looks_[group.first_look + group.part]));
+        out.add_part(part_of(segment, begin, segment.end, group.first_knot + group.part));
         group.passed += segment.duration();
       }
-      ends.push_back(out.size());
+      ends.push_back(out.part_count());
     }
   }
 
@@ -180,7 +180,6 @@ class PacketShading {
   std::vector<uint32_t> slots_;     // [hash]: number of a group
   std::vector<Group> groups_;       // in order of first sight
   std::vector<uint32_t> group_of_;  // [segment, ray by ray]
-  std::vector<Shade> looks_;        // [Group::first_look + part]
   SampleKey key_;                   // of the next shading sample: numbered through each pixel
   uint64_t evaluations_ = 0;
 };

@@ -1,28 +1,22 @@
-// From a ray's visibility segments to segments with colours: shared by the integrators that trace time-continuous rays.
+// From a ray's visibility segments to parts with colours: shared by the integrators that trace time-continuous rays.
 #pragma once
 
 #include <span>
 #include <vector>
 
 #include "math/hash.h"
-#include "pixel/shaded_segment.h"
+#include "pixel/record_builder.h"
 #include "shading/layer_shading.h"
 #include "shading/shader.h"
 #include "shading/spread.h"
 
 namespace kairos {
 
-/// Of a segment the part from `begin` to `end`, with its look.
-inline ShadedSegment part_of(const Segment& segment, float begin, float end, const Shade& shade) {
-  return {begin,
-          end,
-          distance_at(segment, begin),
-          distance_at(segment, end),
-          shade.colour,
-          shade.normal,
-          shade.albedo,
-          segment.mesh,
-          segment.triangle};
+/// Of a segment the part from `begin` to `end`, with one knot.
+inline SeenPart part_of(const Segment& segment, float begin, float end, uint32_t knot) {
+  return {{begin, end, distance_at(segment, begin), distance_at(segment, end), segment.mesh, segment.triangle,
+           segment.front},
+          knot};
 }
 
 /// One thread's scratch memory.
@@ -30,10 +24,10 @@ class SegmentShading {
  public:
   SegmentShading(const Shader& shader, ShadingOptions options) : shader_(shader), options_(options), layers_(shader) {}
 
-  /// Appends the shaded parts of the segments of ray `index` of a pixel, seen through `veils`, to `out`: they cover
-  /// exactly what the segments cover, and each is part of one of them. phase: see spread_samples.
+  /// Appends the parts of the segments of ray `index` of a pixel, seen through `veils`, to `out`: they cover exactly
+  /// what the segments cover, and each is part of one of them. phase: see spread_samples.
   void shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> veils, uint64_t pixel_seed,
-             uint32_t index, float phase, std::vector<ShadedSegment>& out) {
+             uint32_t index, float phase, RecordBuilder& out) {
     if (pixel_seed != key_.seed) key_ = {pixel_seed, 0};
     const double share = unit_float(hash(pixel_seed, index, kShareDimension));
     if (!veils.empty() || shader_.has_sky()) {
@@ -50,9 +44,10 @@ class SegmentShading {
       const Segment& seen = segments[sample.segment];
       const Shade shade = shader_.shade(ray, seen.mesh, seen.triangle, sample.time, key_);
       ++key_.index;
+      const uint32_t knot = out.add_knot(sample.time, shade.colour, shade.normal, shade.albedo);
       for (size_t i = sample.first; i < segments.size() && segments[i].begin < sample.end; ++i)
-        out.push_back(part_of(segments[i], std::max(segments[i].begin, sample.begin),
-                              std::min(segments[i].end, sample.end), shade));
+        out.add_part(part_of(segments[i], std::max(segments[i].begin, sample.begin),
+                             std::min(segments[i].end, sample.end), knot));
     }
     evaluations_ += samples_.size();
   }

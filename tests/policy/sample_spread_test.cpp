@@ -9,7 +9,6 @@
 
 #include <kairos/render.h>
 
-#include "film/pixel_sum.h"
 #include "integrators/contrast.h"
 
 namespace kairos {
@@ -21,21 +20,18 @@ std::vector<PixelLook> looks(std::initializer_list<double> contrasts) {
   return result;
 }
 
-ShadedSegment seen(Vec3f colour) {
-  ShadedSegment segment;
-  segment.colour = colour;
-  return segment;
-}
-
 TEST(Contrast, IsTheRangeOfWhatADisplayShows) {
   const Vec3f background{0.5f, 0, 0};
-  ContrastSink contrast(background);
-  PixelSum sum(background, false);
+  Contrast contrast(background);
+  RecordBuilder record;
+  record.begin_pixel(0, 0, background);
   const auto add = [&](Vec3f colour) {
-    const ShadedSegment segment = seen(colour);
-    contrast.add({ShadedRay::Kind::discrete, {&segment, 1}, 1});
+    const uint32_t knot = record.add_knot(0.5f, colour, {}, {}), part = record.part_count();
+    record.add_part({{}, knot});
+    record.add_ray({{}, 1, 0.5f, part, 1, 1});
+    contrast.add(record, record.rays().size() - 1);
   };
-  contrast.begin_pixel(&sum);
+  contrast.begin_pixel();
   EXPECT_EQ(contrast.square(), 0);
   add({0.5f, 0.25f, 0});
   EXPECT_EQ(contrast.square(), 0) << "one ray";
@@ -43,10 +39,10 @@ TEST(Contrast, IsTheRangeOfWhatADisplayShows) {
   EXPECT_EQ(contrast.square(), 0.25);
   add({9, 0.5f, -1});
   EXPECT_EQ(contrast.square(), 0.5) << "9 is shown as 1, -1 as 0";
-  contrast.add({ShadedRay::Kind::discrete, {}, 0});
+  record.add_ray({{}, 1, 0.5f, 0, 0, 0});
+  contrast.add(record, record.rays().size() - 1);
   EXPECT_EQ(contrast.square(), 0.5 - 0.25 + 0.75 * 0.75) << "the background has no green";
-  EXPECT_FLOAT_EQ(sum.colour().y, 1.5f / 4) << "rays are handed on as they are";
-  contrast.begin_pixel(nullptr);
+  contrast.begin_pixel();
   add({std::numeric_limits<float>::quiet_NaN(), 0.5f, 0.5f});
   add({0.5f, 0.5f, 0.5f});
   EXPECT_TRUE(std::isfinite(contrast.square()));

@@ -121,20 +121,21 @@ TEST(Clusters, PartsCoverEverySegmentExactly) {
         const SamplePoint point{0.3f, 0.6f, 0.7f};
         const Ray ray = context.ray(x, y, point);
         const auto segments = tracer.trace(ray, Visibility::visible, workspace);
-        std::vector<ShadedSegment> parts;
-        shading.shade(ray, segments, {}, 77, 0, point.time, parts);
+        RecordBuilder record;
+        shading.shade(ray, segments, {}, 77, 0, point.time, record);
+        const std::span<const SeenPart> parts = record.parts();
         longest = std::max(longest, segments.size());
         size_t next = 0;
         for (const Segment& segment : segments) {
           float time = segment.begin, dist = segment.dist_begin;
-          for (; next < parts.size() && parts[next].end <= segment.end; ++next) {
-            EXPECT_EQ(parts[next].begin, time);
-            EXPECT_LT(parts[next].begin, parts[next].end);
-            EXPECT_EQ(parts[next].dist_begin, dist);
-            EXPECT_EQ(parts[next].mesh, segment.mesh);
-            EXPECT_EQ(parts[next].triangle, segment.triangle);
-            time = parts[next].end;
-            dist = parts[next].dist_end;
+          for (; next < parts.size() && parts[next].where.end <= segment.end; ++next) {
+            EXPECT_EQ(parts[next].where.begin, time);
+            EXPECT_LT(parts[next].where.begin, parts[next].where.end);
+            EXPECT_EQ(parts[next].where.dist_begin, dist);
+            EXPECT_EQ(parts[next].where.mesh, segment.mesh);
+            EXPECT_EQ(parts[next].where.triangle, segment.triangle);
+            time = parts[next].where.end;
+            dist = parts[next].where.dist_end;
           }
           EXPECT_EQ(time, segment.end);
           EXPECT_EQ(dist, segment.dist_end);
@@ -163,23 +164,24 @@ TEST(PixelClusters, PartsCoverEverySegmentOfEveryRayExactly) {
         const Sampler::Pixel pixel = context.sampler.pixel(x, y);
         for (uint32_t i = 0; i < 16; ++i) rays.push_back(context.ray(x, y, context.sampler.point(pixel, i)));
         const auto seen = tracer.trace_packet(rays, Visibility::visible, workspace);
-        std::vector<ShadedSegment> parts;
-        std::vector<size_t> ends;
+        RecordBuilder record;
+        std::vector<uint32_t> ends;
         const uint64_t before = shading.evaluations();
-        shading.shade({rays, seen, phases, pixel.seed, 0}, parts, ends);
+        shading.shade({rays, seen, phases, pixel.seed, 0}, record, ends);
+        const std::span<const SeenPart> parts = record.parts();
         ASSERT_EQ(ends.size(), rays.size());
         size_t next = 0, segments = 0;
         for (size_t r = 0; r < rays.size(); ++r) {
           for (const Segment& segment : seen[r].segments) {
             ++segments;
             float time = segment.begin, dist = segment.dist_begin;
-            for (; next < ends[r] && parts[next].end <= segment.end; ++next) {
-              EXPECT_EQ(parts[next].begin, time);
-              EXPECT_LT(parts[next].begin, parts[next].end);
-              EXPECT_EQ(parts[next].dist_begin, dist);
-              EXPECT_EQ(parts[next].triangle, segment.triangle);
-              time = parts[next].end;
-              dist = parts[next].dist_end;
+            for (; next < ends[r] && parts[next].where.end <= segment.end; ++next) {
+              EXPECT_EQ(parts[next].where.begin, time);
+              EXPECT_LT(parts[next].where.begin, parts[next].where.end);
+              EXPECT_EQ(parts[next].where.dist_begin, dist);
+              EXPECT_EQ(parts[next].where.triangle, segment.triangle);
+              time = parts[next].where.end;
+              dist = parts[next].where.dist_end;
             }
             EXPECT_EQ(time, segment.end);
             EXPECT_EQ(dist, segment.dist_end);

@@ -10,7 +10,7 @@
 #include <kairos/render.h>
 
 #include "image/texture.h"
-#include "pixel/shaded_segment.h"
+#include "pixel/record_builder.h"
 #include "shading/layers.h"
 #include "shading/shader.h"
 #include "whitted_scene.h"

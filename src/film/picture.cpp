@@ -1,8 +1,7 @@
-#include "film/film.h"
-
 #include <algorithm>
 
 #include <kairos/error.h>
+#include <kairos/picture.h>
 
 namespace kairos {
 
@@ -34,54 +33,65 @@ ChannelNames channels_of(Aov aov) {
 
 }  // namespace
 
-Film::Film(int frame_width, int frame_height, const Crop& crop, const std::vector<Aov>& aovs) : aovs_(aovs) {
+Picture::Picture(const Projection& frame, const RenderParams& params, TimeWeight weight)
+    : aovs_(params.aovs), weight_(std::move(weight)) {
+  const Crop crop = params.crop.value_or(Crop{0, frame.width, 0, frame.height});
+  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > frame.width || crop.y1 > frame.height || crop.x0 >= crop.x1 ||
+      crop.y0 >= crop.y1)
+    throw Error(ErrorCode::bad_usage, "", "a picture's crop is empty or leaves the frame");
   image_.width = crop.x1 - crop.x0;
   image_.height = crop.y1 - crop.y0;
   image_.left = crop.x0;
   image_.top = crop.y0;
-  image_.frame_width = frame_width;
-  image_.frame_height = frame_height;
+  image_.frame_width = frame.width;
+  image_.frame_height = frame.height;
   const size_t pixels = static_cast<size_t>(image_.width) * static_cast<size_t>(image_.height);
   const auto add = [&](const ChannelNames& channels) {
     for (const char* name : channels.names)
       image_.channels.push_back({name, channels.storage, std::vector<float>(pixels)});
   };
   add({Channel::Storage::colour, {"R", "G", "B"}});
-  for (size_t i = 0; i < aovs.size(); ++i) {
-    if (std::find(aovs.begin(), aovs.begin() + static_cast<ptrdiff_t>(i), aovs[i]) !=
-        aovs.begin() + static_cast<ptrdiff_t>(i))
-      throw Error(ErrorCode::bad_usage, "", "an AOV is asked for twice");
-    add(channels_of(aovs[i]));
+  for (auto aov = aovs_.begin(); aov != aovs_.end(); ++aov) {
+    if (std::find(aovs_.begin(), aov, *aov) != aov) throw Error(ErrorCode::bad_usage, "", "an AOV is asked for twice");
+    add(channels_of(*aov));
   }
 }
 
-void Film::set(int x, int y, const PixelSum& sum) {
-  const size_t pixel =
-      static_cast<size_t>(y - image_.top) * static_cast<size_t>(image_.width) + static_cast<size_t>(x - image_.left);
+RecordNeeds Picture::needs() const {
+  const auto shows = [&](Aov aov) { return std::find(aovs_.begin(), aovs_.end(), aov) != aovs_.end(); };
+  return {weight_.is_box() ? RecordNeeds::Time::box : RecordNeeds::Time::curves, shows(Aov::normal),
+          shows(Aov::albedo)};
+}
+
+void Picture::add(const PixelRecord& record) {
+  const bool count_meshes = std::find(aovs_.begin(), aovs_.end(), Aov::mesh) != aovs_.end();
+  const PixelMeans means = reduce(record, weight_, count_meshes);
+  const size_t pixel = static_cast<size_t>(record.y - image_.top) * static_cast<size_t>(image_.width) +
+                       static_cast<size_t>(record.x - image_.left);
   size_t channel = 0;
   const auto put = [&](float value) { image_.channels[channel++].values[pixel] = value; };
   const auto put3 = [&](Vec3f value) {
     for (int i = 0; i < 3; ++i) put(value[i]);
   };
-  put3(sum.colour());
+  put3(means.colour);
   for (const Aov aov : aovs_) switch (aov) {
       case Aov::depth:
-        put(sum.depth());
+        put(means.depth);
         break;
       case Aov::normal:
-        put3(sum.normal());
+        put3(means.normal);
         break;
       case Aov::albedo:
-        put3(sum.albedo());
+        put3(means.albedo);
         break;
       case Aov::coverage:
-        put(sum.coverage());
+        put(means.coverage);
         break;
       case Aov::segments:
-        put(sum.visibility_segments());
+        put(means.visibility_segments);
         break;
       case Aov::mesh:
-        put(static_cast<float>(sum.mesh_id()));
+        put(static_cast<float>(means.mesh_id));
         break;
     }
 }

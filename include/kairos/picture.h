@@ -1,0 +1,45 @@
+// The reduction of pixels to pictures.
+#pragma once
+
+#include <kairos/image.h>
+#include <kairos/record.h>
+#include <kairos/render.h>
+#include <kairos/time_weight.h>
+
+namespace kairos {
+
+/// Means over a pixel's rays of the integrals over the shutter; zero without rays.
+struct PixelMeans {
+  Vec3f colour;                   ///< with the background in what is not covered
+  Vec3f normal, albedo;           ///< zero where the record has no surfaces
+  float coverage = 0;             ///< of all but sky and background
+  float visibility_segments = 0;  ///< per ray
+  /// The nearest distance at an end of any part of a mesh that is seen while the weight is not zero; +infinity for
+  /// none.
+  float depth = std::numeric_limits<float>::infinity();
+  uint32_t mesh_id = 0;  ///< 1 + index of the mesh seen most (the lowest of equals), 0 for none
+};
+
+/// weight: of instants; the integral of what is seen times the weight is exact. count_meshes: find out mesh_id.
+PixelMeans reduce(const PixelRecord& record, const TimeWeight& weight = {}, bool count_meshes = true);
+
+/// A picture under any weight of time. The channels are those of RenderParams::aovs beside the colour.
+class Picture : public PixelConsumer {
+ public:
+  /// Of the frame, or of the crop inside of it that `params` names. Under another weight than a box it needs curves.
+  /// Throws Error(bad_usage) for an AOV named twice and a crop that is not in the frame.
+  Picture(const Projection& frame, const RenderParams& params, TimeWeight weight = {});
+
+  RecordNeeds needs() const override;
+  void add(const PixelRecord& record) override;
+
+  /// The finished image, without attributes. Leaves the picture empty.
+  Image take() { return std::move(image_); }
+
+ private:
+  std::vector<Aov> aovs_;
+  TimeWeight weight_;
+  Image image_;
+};
+
+}  // namespace kairos

@@ -1,0 +1,122 @@
+// What a pixel's rays see, when, and in which colours: what integrators hand over, and to whom.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include <kairos/tracer.h>
+
+namespace kairos {
+
+/// Segment::mesh where no mesh is seen.
+inline constexpr uint32_t kNoMesh = 0xffffffffu;
+
+/// The colour of what is seen at an instant: linear, scene-referred.
+struct Knot {
+  float time = 0;  ///< shutter time
+  Vec3f colour;
+};
+
+/// What else a surface says at the instant of a knot.
+struct KnotSurface {
+  Vec3f normal;  ///< unit, world space; zero where undefined
+  Vec3f albedo;
+};
+
+/// A visibility segment, or a part of one, with its colours. Between two knots colours go on straight lines; before the
+/// first and after the last they stay.
+struct SeenPart {
+  Segment where;            ///< of a ray of one instant: begin == end; what has the mesh kNoMesh is the sky
+  uint32_t first_knot = 0;  ///< index into PixelRecord::knots; parts may share knots
+  uint32_t knots = 1;       ///< at least 1, in time order
+  uint32_t layer = 0;       ///< how many of the parts right before this one lie in front of it for the same time
+  float opacity = 1;        ///< how much of what lies behind it is hidden; below 1 for blended surfaces alone
+};
+
+/// A ray of the pixel and what is seen along it.
+struct PixelRay {
+  Vec2f film;         ///< pixels from the pixel's upper left corner; filters reach beyond the pixel
+  float weight = 1;   ///< relative to the pixel's other rays
+  float time = kAll;  ///< shutter time of a ray of one instant; NaN: it holds for all of the shutter
+  /// Of PixelRecord::parts; in time order, disjoint but for layers; where there is none, the background is seen.
+  uint32_t first_part = 0, parts = 0;
+  uint32_t visibility_segments = 0;  ///< of which the parts may be parts
+
+  static constexpr float kAll = std::numeric_limits<float>::quiet_NaN();
+  bool is_over_time() const { return std::isnan(time); }
+};
+
+/// When a ray sees what stands still.
+struct SeenStill {
+  float begin = 0, end = 0;  ///< shutter time
+  float share = 1;           ///< of the ray's light; below 1 behind blended surfaces that move
+};
+
+/// A control variate. What stands still is sampled by more rays than the pixel has: with S the mean over all of them,
+/// S' that over the first `own` of them, which lie where the pixel's own rays do, and W the share of the shutter in
+/// which the pixel's own rays see what stands still, W (S - S') belongs to the pixel's mean. See "Static and moving in
+/// one pixel" in docs/method.md.
+struct StillTerm {
+  std::span<const PixelRay> rays;  ///< each of one instant, to what stands still alone; empty: there is no such term
+  uint32_t own = 0;
+  std::span<const SeenStill> seen;  ///< by the pixel's own rays, one after the other: the sum of durations times
+                                    ///< shares, divided by the number of rays, is W
+  bool varies = false;  ///< does it look different at other instants? Those of `rays` are spread over `seen`
+};
+
+/// How many rays a pixel is given.
+struct PixelPlan {
+  uint32_t tc_rays = 0;   ///< 0: discrete samples of everything instead
+  uint32_t discrete = 0;  ///< samples: at most so many of what stands still beside time-continuous rays, else of all
+};
+
+/// All of a pixel. What its spans refer to lives until PixelConsumer::add returns.
+struct PixelRecord {
+  int x = 0, y = 0;   ///< in the full frame
+  bool moves = true;  ///< may anything move in it? Not known of rays of one kind: then true
+  PixelPlan plan;     ///< what the integrator meant to take
+  Vec3f background;   ///< the colour where rays see nothing
+  std::span<const PixelRay> rays;
+  std::span<const SeenPart> parts;
+  std::span<const Knot> knots;
+  std::span<const KnotSurface> surfaces;  ///< [knot]; empty unless a consumer needs them
+  StillTerm still;
+
+  std::span<const SeenPart> parts_of(const PixelRay& ray) const { return parts.subspan(ray.first_part, ray.parts); }
+  std::span<const Knot> knots_of(const SeenPart& part) const { return knots.subspan(part.first_knot, part.knots); }
+};
+
+/// What a consumer needs of records. Where several are served by one rendering, the sum of their needs is met: each is
+/// handed what it would be handed alone, had it needed as much.
+struct RecordNeeds {
+  enum class Time {
+    box,       ///< the mean over the shutter, every instant counting alike: colours may stand for each other
+    curves,    ///< colours at their own instants; where the integrator has a choice, pixels in which anything moves get
+               ///< rays over all of the shutter
+    segments,  ///< so does every other pixel: all that is seen has exact ends; the integrator qmc refuses
+  };
+  Time time = Time::box;
+  bool normal = false, albedo = false;  ///< KnotSurface's; what nobody needs is zero
+
+  bool surfaces() const { return normal || albedo; }
+  bool over_time() const { return time != Time::box; }
+  friend RecordNeeds operator|(const RecordNeeds& a, const RecordNeeds& b) {
+    return {a.time < b.time ? b.time : a.time, a.normal || b.normal, a.albedo || b.albedo};
+  }
+};
+
+/// Makes something of pixels: a picture, curves in time, events.
+class PixelConsumer {
+ public:
+  virtual ~PixelConsumer() = default;
+  /// Asked once, before the first pixel.
+  virtual RecordNeeds needs() const = 0;
+  /// Called once for every pixel of the crop, in no fixed order, for different pixels from different threads at once;
+  /// of one pixel, consumers are called one after the other in the order in which they were given. What it throws ends
+  /// the rendering.
+  virtual void add(const PixelRecord& record) = 0;
+};
+
+}  // namespace kairos
