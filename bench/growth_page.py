@@ -1,11 +1,11 @@
-"""Tables and plots of how costs grow with triangles, resolution, motion and key spans."""
+"""Tables and plots of how costs grow with triangles, resolution, motion, key spans and sets of key times."""
 
 import svg_plot
 from numbers_of import write_estimate
 
 RAYS = (1, 4, 16)
 AXES = {"triangles": ("triangles", "triangles"), "resolution": ("size", "pixels"),
-        "motion": ("pixels per shutter", "pixels of motion"), "spans": ("key spans", "key spans")}
+        "motion": ("pixels per shutter", "pixels of motion"), "spans": ("key spans", "key spans"), "sets": ("sets", "sets of key times")}
 PARTS_OF_WORK = ("nodes", "tests", "root_solves", "segments")
 
 

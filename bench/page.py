@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""From DOCS/performance/*.csv to the tables of DOCS/performance.md and DOCS/pictures/performance_*.svg.
+"""From DOCS/results/*.csv to the tables of DOCS/results.md and DOCS/pictures/results_*.svg.
 
     bench/page.py DOCS [--check]
 
@@ -44,7 +44,7 @@ def machine_text(folder):
     if not path.exists():
         return "Nothing has been measured."
     machine = read_rows(path)[0]
-    note = "" if machine["effort"] == "full" else f" Effort: `--{machine['effort']}`, which says little."
+    note = "" if machine["effort"] == "full" else f" Effort: `--{machine['effort']}`, with wide intervals and fewer points."
     return f"Measured on {machine['processor']}, {machine['cores']} processors, at commit {machine['commit']}.{note}"
 
 
@@ -161,12 +161,12 @@ def gain_plot(gains):
 
 def contents(docs):
     """(name: text) of the page's blocks and (name: text) of the pictures."""
-    folder = docs / "performance"
+    folder = docs / "results"
     rays, renders, growth = (Numbers(folder / f"{name}.csv") for name in ("rays", "renders", "growth"))
     gains = Gains(folder)
     blocks = {"machine": machine_text(folder), "ratios": ratios(rays), "times": times(rays), "included": included(renders),
               "parts": parts(renders), "work": work(rays), "builds": builds(rays), "threads": threads(renders),
-              "equal": equal(gains), "budgets": budgets(gains), "aims": aims_table(rays, renders, gains, table),
+              "equal": equal(gains), "budgets": budgets(gains), "aims": aims_table(rays, renders, gains, growth, table),
               **{f"growth-{axis}": text for axis, text in growth_page.tables(growth, table, plain).items()}}
     pictures = {"ratios": ratio_plot(rays), "equal": gain_plot(gains),
                 **{f"growth_{axis}": text for axis, text in growth_page.plots(growth).items()}}
@@ -189,11 +189,11 @@ def filled(text, blocks):
 def write(docs, check=False):
     """Returns one line for each file that was not as it should be."""
     blocks, pictures = contents(docs)
-    path = docs / "performance.md"
+    path = docs / "results.md"
     text, missing = filled(path.read_text(), blocks)
     if missing:
         sys.exit(f"{path}: no place for {', '.join(missing)}; it needs <!-- NAME --> and <!-- end NAME -->")
-    files = {path: text, **{docs / f"pictures/performance_{name}.svg": picture for name, picture in pictures.items()}}
+    files = {path: text, **{docs / f"pictures/results_{name}.svg": picture for name, picture in pictures.items()}}
     differing = []
     for file, new in files.items():
         if not file.exists() or file.read_text() != new:

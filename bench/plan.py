@@ -26,6 +26,7 @@ class Effort:
     triangles: tuple = (10**4, 10**5, 10**6, 10**7)
     motions: tuple = (0, 1, 3, 10, 30, 100, 200, 400)  # pixels
     spans: tuple = (1, 2, 4, 8, 16)
+    sets: tuple = (1, 4, 32, 1024)  # of key times, of 1024 meshes
     sizes: tuple = ("320x180", "640x360", "960x540", "1920x1080", "3840x2160")
     left_out: tuple = ()  # names of shots
     resolution_of: tuple = ("terrain", "kitchen")  # scenes
@@ -36,13 +37,13 @@ FULL = Effort()
 QUICK = replace(FULL, rounds=3, tiles=32, incoherent=4000, build_rounds=1, render_rounds=2, bands=3, thread_rounds=2,
                 keys="0,3",
                 seeds=2, study_rows=4, budgets="4,16,64,256", more_budgets="4,16,64,256",
-                reference_spp=512, triangles=(10**4, 10**5), motions=(1, 10, 100), spans=(1, 4),
-                sizes=("320x180", "960x540"), growth_triangles=10**4,
-                resolution_of=("terrain",), left_out=("kitchen-slow", "kitchen-large", "kitchen-fast"))
+                reference_spp=512, triangles=(10**4, 10**5), motions=(1, 10, 100), spans=(1, 16), sets=(1, 1024),
+                sizes=("320x180", "960x540"), resolution_of=("terrain",),
+                left_out=("kitchen-slow", "kitchen-large", "kitchen-fast", "foliage-whitted"))
 # Says nothing about speed, only that everything runs.
 TINY = replace(QUICK, scale=0.01, rounds=2, tiles=4, incoherent=100, render_rounds=2, thread_rounds=2, shot_size="32x18",
                large_size="64x36", study_rows=4, budgets="4,16,64,256", reference_spp=64,
-               triangles=(100, 1000), growth_triangles=100, motions=(1, 10), spans=(1, 2), sizes=("32x18", "64x36"))
+               triangles=(100, 1000), growth_triangles=100, motions=(1, 10), spans=(1, 2), sets=(1, 32), sizes=("32x18", "64x36"))
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,7 @@ class Shot:
     large: bool = False  # the larger picture
     builds: bool = True  # with one thread and two: not for the same triangles again
     dear: bool = False  # time-continuous rays are: discrete ones are measured with more samples
+    only_equal: bool = False  # only error at equal time is measured
 
     def maker(self):
         return self.scene.split("/")[0]
@@ -70,6 +72,10 @@ SHOTS = [
     Shot("foliage", "foliage", "foliage/scene.json"),
     Shot("blades", "blades", "blades/scene.json"),
     Shot("wires", "wires", "wires/scene.json"),
+    Shot("crowd", "crowd, 200 figures", "crowd/scene.json"),
+    Shot("fan", "fan", "fan/scene.json", dear=True, only_equal=True),
+    Shot("foliage-whitted", "foliage, lamps and sky", "foliage/scene.json", ("--shading", "whitted"), only_equal=True),
+    Shot("glass-whitted", "glass, lamps and mirrors", "glass/scene.json", ("--shading", "whitted"), only_equal=True),
 ]
 TITLES = {shot.name: shot.title for shot in SHOTS}
 
@@ -77,13 +83,14 @@ TITLES = {shot.name: shot.title for shot in SHOTS}
 @dataclass(frozen=True)
 class Growth:
     """A point of a curve along which one thing grows."""
-    axis: str  # triangles, resolution, motion, spans
+    axis: str  # triangles, resolution, motion, spans, sets
     series: str  # the scene's name
     value: str
     size: str
     triangles: int = 0  # 0: a scene of SHOTS, as it is
     motion: float = 10.0
     spans: int = 1
+    sets: int = 0  # of key times, of MESHES meshes; 0: one mesh
 
     def name(self):
         return f"{self.axis}/{self.series}/{self.value}"
@@ -91,6 +98,8 @@ class Growth:
 
 # Triangles of the generated scenes at --scale 1.
 TRIANGLES_OF_SCALE_ONE = 100000
+# Of a scene in which sets of key times grow.
+MESHES = 1024
 # Other numbers of keys are never the fastest there.
 KEYS_OF_KITCHEN = "0,3"
 # With more, Embree's trees of more keys do not fit: only the shot's own keys are tried.
@@ -108,4 +117,6 @@ def growth_points(effort):
         points += [Growth("motion", series, f"{m:g}", effort.shot_size, effort.growth_triangles, m) for m in effort.motions]
         points += [Growth("spans", series, str(s), effort.shot_size, effort.growth_triangles, 40.0, s)
                    for s in effort.spans]
+    triangles = max(effort.growth_triangles, 320 * MESHES) if effort.scale == 1 else effort.growth_triangles
+    points += [Growth("sets", "swarm", str(n), effort.shot_size, triangles, spans=2, sets=n) for n in effort.sets]
     return points

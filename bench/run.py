@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures how fast time-continuous rays are, in all respects that docs/performance.md shows, and writes that page.
+"""Measures how fast time-continuous rays are, in all respects that docs/results.md shows, and writes that page.
 
     bench/run.py BUILD OUT [--quick] [--only PART,...] [--page DOCS]
 
@@ -9,10 +9,10 @@ same command goes on from there. Measures again what was measured with other pro
 rays      time-continuous rays against the best discrete ray, building, bytes (bench_rays)
 renders   the same with everything that a picture needs, in parts; one thread and two (bench_renders)
 equal     error at equal time (kairos study)
-growth    with triangles, resolution, motion and key spans (bench_rays)
+growth    with triangles, resolution, motion, key spans and sets of key times (bench_rays)
 
-Then collects OUT/performance/*.csv and, with --page, takes them to DOCS/performance/ and writes the tables and plots of
-DOCS/performance.md. Needs nothing but Python's standard library.
+Then collects OUT/results/*.csv and, with --page, takes them to DOCS/results/ and writes the tables and plots of
+DOCS/results.md. Needs nothing but Python's standard library.
 """
 
 import argparse
@@ -68,7 +68,7 @@ class Benchmark:
     def shots(self, part):
         """Those whose scene is there, with its file."""
         for shot in plan.SHOTS:
-            if shot.name in self.effort.left_out:
+            if shot.name in self.effort.left_out or (shot.only_equal and part != "equal"):
                 continue
             path = self.scene_file(shot)
             if path is None:
@@ -89,7 +89,7 @@ class Benchmark:
         for shot, path in self.shots("rays"):
             command = ["bench_rays", path, "--size", self.size(shot), *shot.options, *self.ray_options()]
             results.append((shot.name, self.jobs.run("rays", shot.name, command, self.scene_digest(path))))
-        collect(results, self.out / "performance/rays.csv")
+        collect(results, self.out / "results/rays.csv")
 
     def renders(self):
         e, results = self.effort, []
@@ -98,7 +98,7 @@ class Benchmark:
                        "--thread-rounds", e.thread_rounds, "--build-rounds", e.build_rounds if shot.builds else 0,
                        "--keys", e.keys]
             results.append((shot.name, self.jobs.run("renders", shot.name, command, self.scene_digest(path))))
-        collect(results, self.out / "performance/renders.csv")
+        collect(results, self.out / "results/renders.csv")
 
     def equal(self):
         e, results = self.effort, {"comparisons": [], "curves": [], "references": []}
@@ -125,7 +125,7 @@ class Benchmark:
             for kind in results:
                 results[kind].append((shot.name, folder / f"{kind}.csv"))
         for kind, files in results.items():
-            collect(files, self.out / f"performance/equal_{kind}.csv")
+            collect(files, self.out / f"results/equal_{kind}.csv")
 
     def growth(self):
         results = []
@@ -135,6 +135,8 @@ class Benchmark:
                 made = self.out / "growth" / point.name().replace("/", "_")
                 arguments = ["--scale", str(point.triangles / plan.TRIANGLES_OF_SCALE_ONE), "--motion",
                              str(point.motion), "--spans", str(point.spans)]
+                if point.sets:
+                    arguments += ["--meshes", str(max(point.sets, plan.MESHES)), "--sets", str(point.sets)]
                 path, scene = made / point.series / "scene.json", " ".join(arguments)
             else:
                 shot = next(shot for shot in plan.SHOTS if shot.name == point.series)
@@ -153,7 +155,7 @@ class Benchmark:
             results.append((point.name(), self.jobs.run("growth", point.name(), command, scene)))
             if made:
                 shutil.rmtree(made, ignore_errors=True)  # they are large, and quickly made
-        collect(results, self.out / "performance/growth.csv")
+        collect(results, self.out / "results/growth.csv")
 
     def machine(self):
         processor = platform.processor() or platform.machine()
@@ -164,7 +166,7 @@ class Benchmark:
         git = subprocess.run(["git", "-C", ROOT, "describe", "--always", "--dirty"], stdout=subprocess.PIPE,
                              stderr=subprocess.DEVNULL, text=True)
         effort = "tiny" if self.options.tiny else "quick" if self.options.quick else "full"
-        write_rows(self.out / "performance/machine.csv",
+        write_rows(self.out / "results/machine.csv",
                    [{"processor": processor, "cores": os.cpu_count(), "commit": git.stdout.strip() or "unknown",
                      "effort": effort}])
 
@@ -174,11 +176,11 @@ def arguments(words, check_build=True):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=pathlib.Path, metavar="BUILD")
     parser.add_argument("out", type=pathlib.Path, metavar="OUT")
-    parser.add_argument("--quick", action="store_true", help="little of everything; about three minutes")
+    parser.add_argument("--quick", action="store_true", help="little of everything; about ten minutes")
     parser.add_argument("--tiny", action="store_true", help="scenes of a few triangles: only to see that everything runs")
     parser.add_argument("--only", metavar="PART,...", help=f"of {', '.join(PARTS)}")
     parser.add_argument("--seeds", type=int, help="of the studies")
-    parser.add_argument("--page", type=pathlib.Path, metavar="DOCS", help="the folder with performance.md")
+    parser.add_argument("--page", type=pathlib.Path, metavar="DOCS", help="the folder with results.md")
     parser.add_argument("--scenes", type=pathlib.Path, metavar="FOLDER", help="third parties' scenes (docs/scenes.md)",
                         default=pathlib.Path(os.environ.get("KAIROS_SCENES", ROOT / "../shared/scenes")))
     options = parser.parse_args(words)
@@ -199,12 +201,12 @@ def main():
             getattr(benchmark, part)()
     benchmark.machine()
     if options.page:
-        target = options.page / "performance"
+        target = options.page / "results"
         target.mkdir(parents=True, exist_ok=True)
-        for file in sorted((benchmark.out / "performance").glob("*.csv")):
+        for file in sorted((benchmark.out / "results").glob("*.csv")):
             shutil.copy(file, target / file.name)
         page.write(options.page)
-        say(f"wrote {options.page / 'performance.md'}")
+        say(f"wrote {options.page / 'results.md'}")
     for what in benchmark.jobs.left_out:
         say(f"left out: {what}")
 

@@ -45,9 +45,8 @@ def check_arithmetic():
     check(median == 2 and near(low * high, 4), "an interval of ratios is even for a ratio and its inverse")
     check(write_estimate((1.234, 1.1, 1.36)) == "1.23 (1.10 to 1.36)" and write_estimate((2, math.nan, math.nan)) == "2.00" and
           write_estimate((0.5, -1, 2), 1, True) == "+0.5 (-1.0 to +2.0)" and write_estimate(None) == "-", "estimates as text")
-    check(aims.verdict((5.5, 5, 6), 6, 4, True) == "reached" and aims.verdict((3.9, 3, 5), 6, 4, True) == "moonshot" and
-          aims.verdict((6.1, 5, 7), 6, 4, True) == "not reached" and aims.verdict((7, 6, 8), 5, 8, False) == "reached" and
-          aims.verdict(None, 5, 8, False) == "not measured", "verdicts")
+    check(aims.verdict((5.5, 5, 6), 6, True) == "reached" and aims.verdict((6.1, 5, 7), 6, True) == "not reached" and
+          aims.verdict((7, 6, 8), 5, False) == "reached" and aims.verdict(None, 5, False) == "not measured", "verdicts")
     check(aims.least([(1, 0, 2), None, (-1, -2, 0)])[0] == -1 and aims.least([None]) is None, "the least estimate")
     folder = out / "arithmetic"
     folder.mkdir(parents=True)
@@ -56,6 +55,8 @@ def check_arithmetic():
                                              for m, n, v in values])
     numbers = Numbers(folder / "numbers.csv")
     check(numbers.ratio("a", "tc_ns", "discrete_ns", 4)[0] == 3, "ratios are taken within each round: 2 and 4")
+    check(aims.between(numbers, "tc_ns", "a", "a", 4)[0] == 1 and aims.between(numbers, "tc_ns", "a", "b", 4) is None,
+          "one measure of two points")
     check(numbers.median("a", "triangles") == 8 and numbers.median("b", "triangles") is None, "medians")
     text, missing = page.filled("x\n<!-- a -->\nold\n<!-- end a -->\ny", {"a": "new", "b": "none"})
     check(text == "x\n<!-- a -->\n\nnew\n\n<!-- end a -->\ny" and missing == ["b"], f"a filled page: {text}")
@@ -75,7 +76,7 @@ def benchmark(*options):
 def check_command():
     docs = out / "docs"
     (docs / "pictures").mkdir(parents=True)
-    shutil.copy(root / "docs/performance.md", docs)
+    shutil.copy(root / "docs/results.md", docs)
     first = benchmark("--only", "rays,growth")
     check({"rays: blades", "growth: triangles/swarm/1000", "growth: spans/terrain/2"} <= set(first), f"measured {first}")
     # As an interruption leaves it: a result without its stamp, a study half done.
@@ -89,22 +90,22 @@ def check_command():
     check(third == ["equal: wires"], f"measured a third time {third}")
     check((out / "bench/studies/wires/runs.csv").read_text() == runs, "a study goes on from what it has")
     # The page's own commands are understood.
-    commands = re.findall(r"^    (bench/run\.py .*)$", (root / "docs/performance.md").read_text(), re.MULTILINE)
+    commands = re.findall(r"^    (bench/run\.py .*)$", (root / "docs/results.md").read_text(), re.MULTILINE)
     check(len(commands) >= 5, f"the page shows {commands}")
     for command in commands:
         options = run.arguments(command.split()[1:], check_build=False)
         check(options.page == pathlib.Path("docs"), command)
     # Every number has found its place on the page.
-    text = (docs / "performance.md").read_text()
-    for shown in ("| blades |", "| terrain | 1,012 |", "| wires: tc, 16 rays |", "| cost ratio, blades, 16 rays |"):
+    text = (docs / "results.md").read_text()
+    for shown in ("| blades |", "| terrain | 1,012 |", "| wires: tc, 16 rays |", "| cost ratio, blades, 16 rays |", "| swarm | 32 |", "| crowd, 200 figures |"):
         check(shown in text, f"the page has no {shown}")
-    gains = Gains(docs / "performance")
+    gains = Gains(docs / "results")
     check(gains.gain("blades", "tc", "owen-sobol", "tc_rays", 4) is not None, "no gain at the time of four rays")
-    for name in ("ratios", "equal", "growth_triangles", "growth_resolution", "growth_motion", "growth_spans"):
-        picture = docs / f"pictures/performance_{name}.svg"
+    for name in ("ratios", "equal", "growth_triangles", "growth_resolution", "growth_motion", "growth_spans", "growth_sets"):
+        picture = docs / f"pictures/results_{name}.svg"
         check(picture.exists() and "<circle" in picture.read_text(), f"nothing is drawn in {picture}")
     check(page.write(docs, check=True) == [], "the page, written, is not what the numbers say")
-    rays = docs / "performance/rays.csv"
+    rays = docs / "results/rays.csv"
     rays.write_text(rays.read_text().replace("blades,tc_ns,4,0,", "blades,tc_ns,4,0,9", 1))
     check(page.write(docs, check=True) != [], "other numbers, the same page")
 
@@ -113,7 +114,7 @@ shutil.rmtree(out, ignore_errors=True)
 check_arithmetic()
 check_command()
 # The committed page, where there are numbers for it.
-if (root / "docs/performance/rays.csv").exists():
+if (root / "docs/results/rays.csv").exists():
     failures += page.write(root / "docs", check=True)
 if failures:
     sys.exit("\n".join(failures))
