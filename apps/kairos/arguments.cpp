@@ -98,10 +98,10 @@ void add_instruction_set(CLI::App& app, std::optional<InstructionSet>& out) {
            out = parse_instruction_set(text);
            if (!out)
              throw CLI::ValidationError("--instruction-set",
-                                        fmt::format("'{}' is not one of: scalar, sse4, avx2, avx512", text));
+                                        fmt::format("'{}' is not one of: scalar, sse4, avx2, avx512, neon", text));
          },
          "Kernels to use (default: the best that the machine has)")
-      ->type_name("scalar|sse4|avx2|avx512");
+      ->type_name("scalar|sse4|avx2|avx512|neon");
 }
 
 }  // namespace kairos::cli

@@ -28,6 +28,7 @@ struct Mesh {
   std::vector<Vec2f> uvs;                     ///< empty, or [vertex]; (0, 0) is a picture's upper left corner
   std::vector<uint32_t> prim_ids;  ///< empty, or [triangle]: its number in the source, where some were dropped
   uint32_t material = 0;
+  bool one_sided = false;  ///< a triangle is there only while the side seen along a ray is its front
 
   size_t key_count() const { return positions.size(); }
   size_t vertex_count() const { return positions.empty() ? 0 : positions.front().size(); }

@@ -33,6 +33,8 @@ struct Material {
   float alpha = 1;
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5f;
+  /// Otherwise sight and light meet only the front. A surface with transmission is the border of what it encloses, and
+  /// is there from both sides all the same.
   bool double_sided = true;
   // Pictures that multiply the values above: paths, or names of Scene's embedded pictures; empty for none.
   std::string base_color_texture;  ///< its alpha multiplies `alpha`

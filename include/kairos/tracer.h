@@ -14,7 +14,7 @@
 namespace kairos {
 
 /// A ray held fixed while the shutter is open: points origin + dist * direction, dist > 0.
-/// The direction is of any finite length but zero.
+/// The direction is of any finite length but zero; where that is very small, distances may overflow to infinity.
 struct Ray {
   Vec3f origin;
   Vec3f direction;
@@ -31,10 +31,10 @@ struct Segment {
   float duration() const { return end - begin; }
 };
 
-enum class InstructionSet { scalar, sse4, avx2, avx512 };
+enum class InstructionSet { scalar, sse4, avx2, avx512, neon };
 
 std::string_view to_string(InstructionSet set);
-/// "scalar", "sse4", "avx2", "avx512"; nullopt for anything else.
+/// "scalar", "sse4", "avx2", "avx512", "neon"; nullopt for anything else.
 std::optional<InstructionSet> parse_instruction_set(std::string_view name);
 /// What this machine can run, best last; `scalar` is always among them.
 std::span<const InstructionSet> supported_instruction_sets();
@@ -80,16 +80,17 @@ struct TraceCounters {
 };
 
 /// Says where surfaces are missing, as leaves are outside of what is painted on their triangles, and which of them are
-/// veils: seen, but hiding nothing. Must be safe to use from many threads at once.
+/// blended: seen, but hiding nothing. Must be safe to use from many threads at once.
 class CutOuts {
  public:
   virtual ~CutOuts() = default;
-  /// False when nothing of the mesh is ever missing and it is no veil.
+  /// False when nothing of the mesh is ever missing and it is not blended.
   virtual bool has(uint32_t mesh) const = 0;
-  /// Veils hide nothing from time-continuous rays, which hand over what they meet of them apart: see Workspace::veils.
-  virtual bool is_veil(uint32_t /*mesh*/) const { return false; }
-  /// Is the point there in which the ray meets the triangle at `time`? Of a veil, which only discrete rays ask about:
-  /// by chance, as often as its opacity says, and the same whenever asked.
+  /// Blended meshes hide nothing from time-continuous rays, which hand over what they meet of them apart: see
+  /// Workspace::blended.
+  virtual bool is_blended(uint32_t /*mesh*/) const { return false; }
+  /// Is the point there in which the ray meets the triangle at `time`? Of a blended mesh, which only discrete rays ask
+  /// about: by chance, as often as its opacity says, and the same whenever asked.
   virtual bool solid(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const = 0;
   /// Replaces `times` by when, during a hit, it is: begin, end, begin, end, ..., ascending.
   virtual void solid_times(const Ray& ray, const Segment& hit, std::vector<float>& times) const = 0;
@@ -112,9 +113,9 @@ struct SegmentBatch {
   }
 };
 
-/// What one ray of a packet sees: as trace() and Workspace::veils() give it.
+/// What one ray of a packet sees: as trace() and Workspace::blended() give it.
 struct SeenByRay {
-  std::span<const Segment> segments, veils;
+  std::span<const Segment> segments, blended;
 };
 
 /// Answers, for any ray: what is seen along it, and from when to when.
@@ -137,9 +138,9 @@ class Tracer {
     Workspace& operator=(Workspace&&) noexcept;
 
     TraceCounters counters() const;  ///< work of all rays traced with this workspace so far
-    /// What the ray traced last for Visibility::visible meets of veils in front of its segments (where there is none:
-    /// at any distance). Ordered by begin, then mesh and triangle; they may overlap. Valid until the next use.
-    std::span<const Segment> veils() const;
+    /// What the ray traced last for Visibility::visible meets of blended meshes in front of its segments (where there
+    /// is none: at any distance). Ordered by begin, then mesh and triangle; they may overlap. Valid until the next use.
+    std::span<const Segment> blended() const;
 
    private:
     friend class Tracer;
@@ -154,7 +155,7 @@ class Tracer {
 
   /// When anything is met within the limits: disjoint, in order; the span lives in the workspace until its next use.
   /// Cheaper than trace(): any hit will do, and nothing more is looked for once hits fill the window. What cut-outs
-  /// leave out is not there; veils hide nothing and are not met.
+  /// leave out is not there; blended meshes hide nothing and are not met.
   std::span<const TimeRange> occluded(const Ray& ray, Workspace& workspace, const TraceLimits& limits = {}) const;
 
   /// The most rays that trace_packet takes.
@@ -164,15 +165,15 @@ class Tracer {
   /// about the same way, as those of a pixel do, and no dearer otherwise. Times and distances differ from trace()'s by
   /// rounding. Only Precision::fast knows packets. What the rays share is counted once.
   ///
-  /// backdrops: none, or for each ray what it is known to see if nothing else is in front: a hit over the whole
+  /// occluder_hints: none, or for each ray what it is known to see if nothing else is in front: a hit over the whole
   /// shutter; one without duration says that there is nothing. together: false to go through the trees one by one,
   /// which is faster where rays share little. Throws Error(bad_usage) for more than 16 rays, or another number of
-  /// backdrops.
+  /// occluder_hints.
   std::span<const SeenByRay> trace_packet(std::span<const Ray> rays, Visibility visibility, Workspace& workspace,
-                                          std::span<const Segment> backdrops = {}, bool together = true,
+                                          std::span<const Segment> occluder_hints = {}, bool together = true,
                                           const TraceLimits& limits = {}) const;
 
-  /// Many rays, in parallel; without veils. The result does not depend on the number of threads.
+  /// Many rays, in parallel; without blended meshes. The result does not depend on the number of threads.
   SegmentBatch trace(std::span<const Ray> rays, Visibility visibility, TraceCounters* counters = nullptr,
                      const TraceLimits& limits = {}) const;
 

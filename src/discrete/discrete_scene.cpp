@@ -15,6 +15,7 @@
 #include "discrete/embree_device.h"
 #include "discrete/uneven_triangles.h"
 #include "discrete/uniform_runs.h"
+#include "kernels/ray_frame.h"
 
 namespace kairos {
 
@@ -177,9 +178,12 @@ struct DiscreteScene::Impl {
                   place == 0 ? mesh.positions[key] : between(mesh.positions[key], mesh.positions[key + 1], place),
                   device);
     }
-    if (cut_outs && cut_outs->has(index)) {
+    const bool has_holes = cut_outs && cut_outs->has(index);
+    if (has_holes || mesh.one_sided) {
       rtcSetGeometryUserData(geometry.get(), this);
-      rtcSetGeometryIntersectFilterFunction(geometry.get(), refuse_missing);
+      rtcSetGeometryIntersectFilterFunction(geometry.get(), !mesh.one_sided ? refuse_hits<false, true>
+                                                            : has_holes     ? refuse_hits<true, true>
+                                                                            : refuse_hits<true, false>);
     }
     rtcCommitGeometry(geometry.get());
     rtcAttachGeometryByID(window.scene.get(), geometry.get(), static_cast<unsigned>(mesh_of.size()));
@@ -201,19 +205,29 @@ struct DiscreteScene::Impl {
     ++stats.moving_geometries;
   }
 
-  static DiscreteContext context_of(const Ray* rays, const float* times) {
-    DiscreteContext context{{}, rays, times};
+  static DiscreteContext context_of(const Ray* rays, const float* times, Facing facing) {
+    DiscreteContext context{{}, rays, times, facing};
     rtcInitIntersectContext(&context.embree);
     return context;
   }
 
-  /// Embree asks before it takes a hit for one: refuses those on what is missing.
-  static void refuse_missing(const RTCFilterFunctionNArguments* hits) {
+  /// Embree asks before it takes a hit for one: refuses those on sides that are not there, and on what is missing.
+  template <bool kOneSided, bool kHasHoles>
+  static void refuse_hits(const RTCFilterFunctionNArguments* hits) {
     const auto& self = *static_cast<const Impl*>(hits->geometryUserPtr);
     const auto& context = *reinterpret_cast<const DiscreteContext*>(hits->context);
     for (unsigned i = 0; i < hits->N; ++i) {
       if (hits->valid[i] != -1) continue;
       const unsigned ray = RTCRayN_id(hits->ray, hits->N, i);
+      if constexpr (kOneSided) {
+        const Vec3f normal{RTCHitN_Ng_x(hits->hit, hits->N, i), RTCHitN_Ng_y(hits->hit, hits->N, i),
+                           RTCHitN_Ng_z(hits->hit, hits->N, i)};
+        if (faces(normal, context.rays[ray].direction) != (context.facing == Facing::origin)) {
+          hits->valid[i] = 0;
+          continue;
+        }
+      }
+      if constexpr (!kHasHoles) continue;
       const uint32_t mesh = self.mesh_of[RTCHitN_geomID(hits->hit, hits->N, i)];
       const uint32_t triangle = RTCHitN_primID(hits->hit, hits->N, i);
       if (!self.cut_outs->solid(context.rays[ray], mesh, triangle, context.times[ray])) hits->valid[i] = 0;
@@ -221,7 +235,7 @@ struct DiscreteScene::Impl {
   }
 
   /// Denormals must be zero already.
-  std::optional<DiscreteHit> intersect(const Ray& ray, float time, float max_dist) const {
+  std::optional<DiscreteHit> intersect(const Ray& ray, float time, float max_dist, Facing facing) const {
     if (!usable(ray, time) || !(max_dist > 0)) return std::nullopt;
     RTCRayHit query{};
     query.ray.org_x = ray.origin.x;
@@ -233,7 +247,7 @@ struct DiscreteScene::Impl {
     query.ray.tfar = max_dist;
     query.ray.mask = ~0u;
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    DiscreteContext context = context_of(&ray, &time);
+    DiscreteContext context = context_of(&ray, &time, facing);
     for (const Window& window : windows) {  // each looks no farther than what the ones before have hit
       if (!window.holds(time)) continue;
       query.ray.time = window.local(time);
@@ -262,7 +276,7 @@ struct DiscreteScene::Impl {
       query.ray.id[i] = static_cast<unsigned>(i);
     }
     std::fill(std::begin(query.hit.geomID), std::end(query.hit.geomID), RTC_INVALID_GEOMETRY_ID);
-    DiscreteContext context = context_of(rays.data(), times.data());
+    DiscreteContext context = context_of(rays.data(), times.data(), Facing::origin);
     context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     for (const Window& window : windows) {
       if (layer == DiscreteLayer::still && window.moves) continue;
@@ -293,15 +307,30 @@ DiscreteScene::~DiscreteScene() = default;
 DiscreteScene::DiscreteScene(DiscreteScene&&) noexcept = default;
 DiscreteScene& DiscreteScene::operator=(DiscreteScene&&) noexcept = default;
 
-std::optional<DiscreteHit> DiscreteScene::intersect(const Ray& ray, float time, float max_dist) const {
-  const DenormalsAreZero guard;
-  return impl_->intersect(ray, time, max_dist);
+std::optional<DiscreteHit> DiscreteScene::intersect(const Ray& ray, float time, float max_dist, Facing facing) const {
+  const ScaledRay scaled(ray);  // before denormals become zero
+  const float scaled_max = std::ldexp(max_dist, scaled.exponent);
+  std::optional<DiscreteHit> hit;
+  {
+    const DenormalsAreZero guard;
+    hit = impl_->intersect(scaled.ray, time, scaled_max, facing);
+  }
+  if (hit) hit->dist = scaled.to_given(hit->dist);
+  return hit;
 }
 
 void DiscreteScene::intersect(std::span<const Ray> rays, std::span<const float> times,
                               std::span<std::optional<DiscreteHit>> hits, DiscreteLayer layer) const {
   if (rays.size() != times.size() || rays.size() != hits.size())
     throw Error(ErrorCode::bad_usage, "DiscreteScene", "as many rays as times and hits are needed");
+  if (std::any_of(rays.begin(), rays.end(), [](const Ray& ray) { return ScaledRay(ray).exponent != 0; })) {
+    std::vector<Ray> scaled(rays.begin(), rays.end());
+    for (Ray& ray : scaled) ray = ScaledRay(ray).ray;
+    intersect(scaled, times, hits, layer);
+    for (size_t i = 0; i < rays.size(); ++i)
+      if (hits[i]) hits[i]->dist = ScaledRay(rays[i]).to_given(hits[i]->dist);
+    return;
+  }
   const DenormalsAreZero guard;
   for (size_t i = 0; i < rays.size();) {
     const size_t left = rays.size() - i, count = std::min(left, left > kSmallPacket ? kLargePacket : kSmallPacket);

@@ -36,6 +36,13 @@ enum class DiscreteLayer {
   still,  ///< those with a single key: a good deal cheaper where others move
 };
 
+/// Whose front a one-sided triangle must turn to be met. A ray of sight comes to its origin; what a shadow ray looks
+/// for is light that goes the other way, so that it meets fronts there, too.
+enum class Facing {
+  origin,   ///< sight
+  far_end,  ///< light that comes along the ray to its origin
+};
+
 struct DiscreteStats {
   double build_seconds = 0;
   size_t static_geometries = 0, moving_geometries = 0;  ///< Embree's: a mesh may be several
@@ -61,7 +68,8 @@ class DiscreteScene {
   /// The nearest hit at shutter time `time`, in [0, 1], no farther than `max_dist` along the ray. A ray that is not
   /// finite, or has no direction, meets nothing.
   std::optional<DiscreteHit> intersect(const Ray& ray, float time,
-                                       float max_dist = std::numeric_limits<float>::infinity()) const;
+                                       float max_dist = std::numeric_limits<float>::infinity(),
+                                       Facing facing = Facing::origin) const;
 
   /// The same for many rays, all spans of one length. Rays that lie next to each other and go about the same way are
   /// the cheapest: eight or sixteen at a time go through the scene together. Which of two surfaces at exactly the same

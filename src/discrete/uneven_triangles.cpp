@@ -43,7 +43,11 @@ bool intersect(const std::array<Vec3d, 3>& corners, const Ray& ray, Hit& hit) {
 }  // namespace
 
 UnevenTriangles::UnevenTriangles(const Mesh& mesh, uint32_t index, const CutOuts* cut_outs, int least_steps)
-    : triangles_(mesh.triangles), key_times_(mesh.key_times), index_(index), cut_outs_(cut_outs) {
+    : triangles_(mesh.triangles),
+      key_times_(mesh.key_times),
+      index_(index),
+      cut_outs_(cut_outs),
+      one_sided_(mesh.one_sided) {
   positions_.reserve(mesh.key_count() * mesh.vertex_count());
   for (size_t v = 0; v < mesh.vertex_count(); ++v)
     for (const auto& key : mesh.positions) positions_.push_back(key[v]);
@@ -151,6 +155,8 @@ void UnevenTriangles::intersect_function(const RTCIntersectFunctionNArguments* a
     if (!intersect(self.corners_at(self.triangles_[args->primID], time), ray, hit)) continue;
     const auto dist = static_cast<float>(hit.dist);
     if (!(dist > 0 && dist < RTCRayN_tfar(rays, args->N, i))) continue;
+    const bool front = dot(hit.normal, to_double(ray.direction)) < 0;
+    if (self.one_sided_ && front != (context.facing == Facing::origin)) continue;
     if (self.cut_outs_ != nullptr && !self.cut_outs_->solid(ray, self.index_, args->primID, time)) continue;
     const Vec3f normal = to_float(normalize(hit.normal));
     RTCRayN_tfar(rays, args->N, i) = dist;

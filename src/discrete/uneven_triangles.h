@@ -10,6 +10,8 @@
 #include <kairos/mesh.h>
 #include <kairos/tracer.h>
 
+#include "discrete/discrete_scene.h"
+
 namespace kairos {
 
 /// What Embree hands through to the functions that it calls back.
@@ -17,6 +19,7 @@ struct DiscreteContext {
   RTCIntersectContext embree;  // first, so that a pointer to it is one to the whole
   const Ray* rays;             // [number of the ray]
   const float* times;
+  Facing facing;
 };
 
 /// One moving mesh as Embree's user geometry. Embree takes only evenly spaced time steps; their boxes are widened by
@@ -56,6 +59,7 @@ class UnevenTriangles {
   std::vector<Vec3f> positions_;  // [vertex][key], so that what a ray needs lies close together
   uint32_t index_, steps_;
   const CutOuts* cut_outs_;
+  bool one_sided_;
 };
 
 }  // namespace kairos

@@ -26,10 +26,10 @@ namespace kairos {
 
 namespace {
 
-/// A veil that stands still hides nothing, so it is no backdrop, and is traced with what moves.
-bool has_still_veil(const Shot& shot, const Shader& shader) {
+/// A blended surface that stands still hides nothing, so it is no occluder hint, and is traced with what moves.
+bool has_still_blended(const Shot& shot, const Shader& shader) {
   for (uint32_t m = 0; m < shot.meshes.size(); ++m)
-    if (shot.meshes[m].is_static() && shader.cut_outs() && shader.cut_outs()->is_veil(m)) return true;
+    if (shot.meshes[m].is_static() && shader.cut_outs() && shader.cut_outs()->is_blended(m)) return true;
   return false;
 }
 
@@ -54,8 +54,8 @@ class MixedIntegrator : public Integrator {
         shading_(shading_options(params)),
         mask_(parts.motion_mask(context.filter.radius())),
         scene_(parts.discrete(params.discrete_keys)),
-        backdrops_(!has_still_veil(shot_, context.shader)),
-        tracer_(parts.tracer(params.instruction_set, backdrops_)) {
+        occluder_hints_(!has_still_blended(shot_, context.shader)),
+        tracer_(parts.tracer(params.instruction_set, occluder_hints_)) {
     const bool anything_still =
         std::any_of(shot_.meshes.begin(), shot_.meshes.end(), [](const Mesh& mesh) { return mesh.is_static(); });
     still_layer_is_empty_ = !anything_still && !context.shader.has_sky();
@@ -229,17 +229,17 @@ class MixedIntegrator : public Integrator {
           film_[i] = context_.film(point);
           times_[i] = point.time;
         }
-        std::span<const Segment> backdrops;
-        if (integrator_.backdrops_) backdrops = still_layer_.backdrops(begin, size, monitor);
+        std::span<const Segment> occluder_hints;
+        if (integrator_.occluder_hints_) occluder_hints = still_layer_.occluder_hints(begin, size, monitor);
         const std::span<const Ray> rays = std::span(batch_).first(size);
-        const auto seen = integrator_.tracer_.trace_packet(rays, Visibility::visible, workspace_, backdrops,
+        const auto seen = integrator_.tracer_.trace_packet(rays, Visibility::visible, workspace_, occluder_hints,
                                                            integrator_.packets_.together(plan.tc_rays));
         ends_.clear();
         uint32_t first = record_.part_count();
         shading_.shade({rays, seen, std::span(times_).first(size), pixel.seed, begin}, record_, ends_);
         for (uint32_t i = 0; i < size; ++i) {
           record_.add_ray({film_[i], 1, PixelRay::kAll, first, ends_[i] - first,
-                           static_cast<uint32_t>(seen[i].segments.size() + seen[i].veils.size())});
+                           static_cast<uint32_t>(seen[i].segments.size() + seen[i].blended.size())});
           first = ends_[i];
         }
       }
@@ -326,7 +326,7 @@ class MixedIntegrator : public Integrator {
   ShadingOptions shading_;
   const MotionMask& mask_;
   const DiscreteScene& scene_;
-  bool backdrops_;  // are still rays traced first, as backdrops?
+  bool occluder_hints_;  // are still rays traced first, as occluder hints?
   const Tracer& tracer_;
   bool still_layer_is_empty_ = false;  // but for a background that is the same everywhere
   PacketChoice packets_;

@@ -31,16 +31,16 @@ class StillLayer {
 
   /// Of `count` rays from `first` on, what they see of this layer: as Tracer::trace_packet takes it. Valid until the
   /// next call.
-  std::span<const Segment> backdrops(uint32_t first, uint32_t count, Monitor& monitor) {
+  std::span<const Segment> occluder_hints(uint32_t first, uint32_t count, Monitor& monitor) {
     trace(first + count, monitor);
-    backdrops_.clear();
+    occluder_hints_.clear();
     for (uint32_t i = first; i < first + count; ++i) {
-      Segment backdrop;
+      Segment occluder_hint;
       if (hits_[i])
-        backdrop = {0, 1, hits_[i]->dist, hits_[i]->dist, hits_[i]->mesh, hits_[i]->triangle, hits_[i]->front};
-      backdrops_.push_back(backdrop);
+        occluder_hint = {0, 1, hits_[i]->dist, hits_[i]->dist, hits_[i]->mesh, hits_[i]->triangle, hits_[i]->front};
+      occluder_hints_.push_back(occluder_hint);
     }
-    return backdrops_;
+    return occluder_hints_;
   }
 
   /// How many of the first `count` rays hit something nearer than `dist`.
@@ -97,7 +97,7 @@ class StillLayer {
   std::vector<Vec2f> film_;
   std::vector<float> times_;
   std::vector<std::optional<DiscreteHit>> hits_;
-  std::vector<Segment> backdrops_;
+  std::vector<Segment> occluder_hints_;
   uint64_t ray_count_ = 0, evaluations_ = 0;
 };
 

@@ -57,7 +57,7 @@ class TcIntegrator : public Integrator {
         shading_.shade({rays, seen, std::span(times_).first(size), pixel.seed, begin}, record_, ends_);
         for (uint32_t i = 0; i < size; ++i) {
           record_.add_ray({film_[i], 1, PixelRay::kAll, first, ends_[i] - first,
-                           static_cast<uint32_t>(seen[i].segments.size() + seen[i].veils.size())});
+                           static_cast<uint32_t>(seen[i].segments.size() + seen[i].blended.size())});
           first = ends_[i];
         }
       }

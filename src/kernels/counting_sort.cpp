@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-// As in trace_simd.cpp.
-#define HWY_BASELINE_TARGETS HWY_SSE4
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SCALAR | HWY_AVX3_DL)
+#include "kernels/highway_targets.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/counting_sort.cpp"
 #include <hwy/foreach_target.h>

@@ -1,12 +1,14 @@
 #include <array>
+#include <vector>
 
 #include "kernels/dispatch.h"
 
 namespace kairos {
 
 namespace {
-constexpr std::array kAll{InstructionSet::scalar, InstructionSet::sse4, InstructionSet::avx2, InstructionSet::avx512};
-constexpr std::array<std::string_view, kAll.size()> kNames{"scalar", "sse4", "avx2", "avx512"};
+constexpr std::array kAll{InstructionSet::scalar, InstructionSet::sse4, InstructionSet::avx2, InstructionSet::avx512,
+                          InstructionSet::neon};
+constexpr std::array<std::string_view, kAll.size()> kNames{"scalar", "sse4", "avx2", "avx512", "neon"};
 }  // namespace
 
 std::string_view to_string(InstructionSet set) { return kNames[static_cast<size_t>(set)]; }
@@ -18,10 +20,11 @@ std::optional<InstructionSet> parse_instruction_set(std::string_view name) {
 }
 
 std::span<const InstructionSet> supported_instruction_sets() {
-  static const std::span<const InstructionSet> supported = [] {
-    size_t count = 0;
-    while (count < kAll.size() && find_kernels(kAll[count]) != nullptr) ++count;
-    return std::span(kAll).first(count);
+  static const std::vector<InstructionSet> supported = [] {
+    std::vector<InstructionSet> found;
+    for (const InstructionSet set : kAll)
+      if (find_kernels(set) != nullptr) found.push_back(set);
+    return found;
   }();
   return supported;
 }

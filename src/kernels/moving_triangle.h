@@ -132,10 +132,14 @@ struct HitInterval {
   bool front;
 };
 
-/// At most four of them, plus those that the ray's origin cuts in two.
+/// The most stretches in which three edge functions have one sign, each being so in two at most; and the most pieces
+/// that the ray's origin cuts one into. Both are what the code below could write if roundings went against it; without
+/// them it is seven pieces in all.
+inline constexpr size_t kMostStretches = 2 * 2 * 2, kMostPieces = 4;
+
 template <class Real>
 struct HitIntervals {
-  std::array<HitInterval<Real>, 8> hit;
+  std::array<HitInterval<Real>, 2 * kMostStretches * kMostPieces> hit;
   int count = 0;
 };
 
@@ -143,11 +147,11 @@ namespace detail {
 
 template <class Real>
 struct TimeSet {
-  std::array<std::pair<Real, Real>, 4> stretch;
+  std::array<std::pair<Real, Real>, kMostStretches> stretch;
   int count = 0;
 
   void add(Real begin, Real end) {
-    if (begin < end && count < 4) stretch[static_cast<size_t>(count++)] = {begin, end};
+    if (begin < end) stretch[static_cast<size_t>(count++)] = {begin, end};
   }
 };
 
@@ -185,8 +189,9 @@ TimeSet<Real> intersect(const TimeSet<Real>& a, const TimeSet<Real>& b) {
 /// sampling between the extrema of its derivative and bisection. Rare: only triangles with vertices on both sides of
 /// the origin.
 template <class Real>
-std::array<Real, 5> split_at_origin(const FramedTriangle<Real>& f, const std::array<Quadratic<Real>, 3>& e, Real begin,
-                                    Real end, int& count) {
+std::array<Real, kMostPieces + 1> split_at_origin(const FramedTriangle<Real>& f,
+                                                  const std::array<Quadratic<Real>, 3>& e, Real begin, Real end,
+                                                  int& count) {
   const auto cubic = [&](double time) {
     double sum = 0;
     for (size_t i = 0; i < 3; ++i) {
@@ -213,7 +218,7 @@ std::array<Real, 5> split_at_origin(const FramedTriangle<Real>& f, const std::ar
     if (high > begin && high < end) stop[stops++] = high;
   }
   stop[stops] = double(end);
-  std::array<Real, 5> cut{begin};
+  std::array<Real, kMostPieces + 1> cut{begin};
   count = 1;
   for (size_t s = 0; s < stops; ++s) {
     double a = stop[s], b = stop[s + 1];
@@ -248,7 +253,7 @@ HitIntervals<Real> intersect_moving_triangle(const FramedTriangle<Real>& f,
   if (largest_area(edges) == 0) return out;  // edge-on or without area at all times
 
   const auto add = [&](Real begin, Real end, bool front, const std::array<Quadratic<Real>, 3>& e) {
-    if (!(begin < end) || out.count == static_cast<int>(out.hit.size())) return;
+    if (!(begin < end)) return;
     out.hit[static_cast<size_t>(out.count++)] = {begin, end, end_distance(f, e, begin, end),
                                                  end_distance(f, e, end, begin), front};
   };

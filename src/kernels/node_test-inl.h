@@ -181,7 +181,8 @@ HWY_INLINE void TestNode(const Node<kMovingKeys>& node, const Slabs& ray, float 
 }
 
 /// The same for boxes that stand still.
-HWY_INLINE void TestNode(const Node<kStaticKeys>& node, const RaySlabs& ray, NodeHits& hits) {
+template <class Slabs>
+HWY_INLINE void TestNode(const Node<kStaticKeys>& node, const Slabs& ray, NodeHits& hits) {
   const hn::CappedTag<float, kWidth> d;
   using V = hn::Vec<decltype(d)>;
   const V slab_error = hn::Set(d, kSlabError);
@@ -190,11 +191,11 @@ HWY_INLINE void TestNode(const Node<kStaticKeys>& node, const RaySlabs& ray, Nod
     if (lane >= node.count) break;
     V in = hn::Zero(d), out = hn::Set(d, std::numeric_limits<float>::infinity());
     for (size_t k = 0; k < 3; ++k) {
-      const V o = hn::Set(d, ray.origin[k]), inv = hn::Set(d, ray.inv[k]);
+      const V o = hn::Set(d, ray.origin[k]);
       const float* near = ray.negative[k] ? node.upper[0][k] : node.lower[0][k];
       const float* far = ray.negative[k] ? node.lower[0][k] : node.upper[0][k];
-      const V entry = hn::Mul(hn::Sub(hn::Load(d, near + lane), o), inv);
-      const V exit = hn::Mul(hn::Sub(hn::Load(d, far + lane), o), inv);
+      const V entry = ray.First(d, k, hn::Sub(hn::Load(d, near + lane), o));
+      const V exit = ray.Last(d, k, hn::Sub(hn::Load(d, far + lane), o));
       in = hn::Max(in, hn::Sub(entry, hn::Mul(hn::Abs(entry), slab_error)));
       out = hn::Min(out, hn::Add(exit, hn::Mul(hn::Abs(exit), slab_error)));
     }

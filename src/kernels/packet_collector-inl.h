@@ -90,7 +90,7 @@ class PacketCollector {
       const Segment hit{placed_.begin[lane],           placed_.end[lane],    hits_.dist_begin[lane],
                         hits_.dist_end[lane],          block.mesh[triangle], block.triangle[triangle],
                         (hits_.front >> lane & 1) != 0};
-      if (!(hit.begin < hit.end)) continue;
+      if (!(hit.begin < hit.end) || !state.shows(hit)) continue;
       if (state.takes_whole(hit.mesh)) {
         bins_changed_ |= AddWhole(state, hit, static_cast<TimeBins::Mask>(placed_.touched[lane]),
                                   static_cast<TimeBins::Mask>(placed_.filled[lane]));
@@ -184,7 +184,7 @@ class PacketCollector {
   TimeBins bins_;
   alignas(64) float visible_until_[kPacketLanes];  // [lane]
   PacketTriangles triangles_;
-  PacketHits hits_;
+  PacketHits hits_{};  // lanes without a hit are computed with, too
   struct alignas(64) {
     float begin[kPacketLanes], end[kPacketLanes];         // shutter time
     int32_t touched[kPacketLanes], filled[kPacketLanes];  // bins

@@ -2,6 +2,7 @@
 // side.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include <kairos/tracer.h>
@@ -34,6 +35,25 @@ struct RayFrame {
     shear_u = Real(d[ku]) * inv_w;
     shear_v = Real(d[kv]) * inv_w;
   }
+};
+
+/// A ray whose direction's largest component is between 2^-32 and 2^32, so that nothing computed with it over- or
+/// underflows: along it, distances are those along the given ray times 2^exponent. Scaling by a power of two changes no
+/// other bit. Most rays are left as they are.
+struct ScaledRay {
+  Ray ray;
+  int exponent = 0;
+
+  ScaledRay() = default;
+  explicit ScaledRay(const Ray& given) : ray(given) {
+    const float largest =
+        std::max({std::abs(given.direction.x), std::abs(given.direction.y), std::abs(given.direction.z)});
+    if ((largest >= 0x1p-32f && largest <= 0x1p32f) || !(largest > 0) || !std::isfinite(largest)) return;
+    exponent = std::ilogb(largest);
+    for (int k = 0; k < 3; ++k) ray.direction[k] = std::ldexp(ray.direction[k], -exponent);
+  }
+
+  float to_given(float dist) const { return std::ldexp(dist, -exponent); }
 };
 
 /// True for rays that can meet anything: finite, with a direction.

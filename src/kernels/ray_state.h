@@ -7,10 +7,11 @@
 #include <kairos/tracer.h>
 
 #include "accel/layout.h"
+#include "kernels/blended.h"
 #include "kernels/moving_triangle.h"
+#include "kernels/ray_frame.h"
 #include "kernels/resolve.h"
 #include "kernels/time_bins.h"
-#include "kernels/veils.h"
 
 namespace kairos {
 
@@ -48,15 +49,16 @@ struct RayState {
   TimeBins bins;
   std::vector<Segment> hits;
   std::vector<StackEntry> stack;
-  std::vector<Segment> segments;          ///< the result; of RayMode::occluded: see `covered`
-  std::vector<TimeRange> covered;         ///< the result of RayMode::occluded
-  std::vector<Segment> veil_hits, veils;  ///< of veils: all hits, and what can be seen of them
+  std::vector<Segment> segments;               ///< the result; of RayMode::occluded: see `covered`
+  std::vector<TimeRange> covered;              ///< the result of RayMode::occluded
+  std::vector<Segment> blended_hits, blended;  ///< on blended surfaces: all hits, and what can be seen of them
   ResolveScratch resolve;
-  VeilScratch clip;
+  BlendedScratch clip;
   TraceCounters counters;
   const CutOuts* cut_outs = nullptr;
-  Ray ray;                     ///< for cut_outs
-  std::vector<float> present;  ///< scratch: see CutOuts::solid_times
+  const uint8_t* one_sided = nullptr;  ///< [mesh]; null: none is
+  ScaledRay scaled;                    ///< what is traced, and for cut_outs; hits have its distances until end_ray
+  std::vector<float> present;          ///< scratch: see CutOuts::solid_times
 
   /// Do hits hide anything?
   bool culls() const { return mode != RayMode::all; }
@@ -66,15 +68,17 @@ struct RayState {
   bool is_complete() const { return mode == RayMode::occluded && bins.reaching(0) == 0; }
 
   void begin_ray(RayMode wanted, const TraceLimits& wanted_limits, uint32_t tree_depth, const Ray& traced,
-                 const CutOuts* missing) {
-    ray = traced;
+                 const CutOuts* missing, const uint8_t* only_fronts) {
+    scaled = ScaledRay(traced);
     cut_outs = missing;
+    one_sided = only_fronts;
     mode = wanted;
     limits = wanted_limits;
+    if (scaled.exponent != 0) limits.max_dist = std::ldexp(limits.max_dist, scaled.exponent);
     limited = mode == RayMode::occluded || !limits.is_everything();
     hits.clear();
-    veil_hits.clear();
-    veils.clear();
+    blended_hits.clear();
+    blended.clear();
     if (limited)
       bins.clear(limits.window_begin, limits.window_end, limits.max_dist);
     else
@@ -86,8 +90,8 @@ struct RayState {
   }
 
   void end_ray() {
-    counters.hits += hits.size() + veil_hits.size();
-    if (!veil_hits.empty()) clip_veils(veil_hits, hits, clip, veils);
+    counters.hits += hits.size() + blended_hits.size();
+    if (!blended_hits.empty()) clip_blended(blended_hits, hits, clip, blended);
     segments.clear();
     covered.clear();
     switch (mode) {
@@ -105,25 +109,39 @@ struct RayState {
       segments.front().begin = std::max(segments.front().begin, limits.window_begin);
       segments.back().end = std::min(segments.back().end, limits.window_end);
     }
-    counters.segments += segments.size() + veils.size() + covered.size();
+    counters.segments += segments.size() + blended.size() + covered.size();
+    if (scaled.exponent == 0) return;
+    for (auto* seen : {&segments, &blended})
+      for (Segment& segment : *seen) {
+        segment.dist_begin = scaled.to_given(segment.dist_begin);
+        segment.dist_end = scaled.to_given(segment.dist_end);
+      }
   }
 
-  /// True when nothing of the mesh is missing and it is no veil.
+  /// False where the side that is met is not there. A hit ends where the triangle turns its other side: its three edge
+  /// functions have one sign while it lasts, and front or back is that sign.
+  bool shows(const Segment& hit) const { return hit.front || one_sided == nullptr || one_sided[hit.mesh] == 0; }
+  /// True when nothing of the mesh is missing and it is not blended.
   bool is_whole(uint32_t mesh) const { return cut_outs == nullptr || !cut_outs->has(mesh); }
   /// True when hits on the mesh are taken as they are.
   bool takes_whole(uint32_t mesh) const { return !limited && is_whole(mesh); }
 
-  /// Takes up what is known to be there for the whole shutter, if it has any duration.
-  void add_backdrop(Segment hit) {
-    if (hit.begin < hit.end && cut_to_limits(hit)) take_up(hit);
+  /// Accepts what is known to be there for the whole shutter, if it has any duration.
+  void add_occluder_hint(Segment hit) {
+    if (!(hit.begin < hit.end)) return;
+    if (scaled.exponent != 0) {
+      hit.dist_begin = std::ldexp(hit.dist_begin, scaled.exponent);
+      hit.dist_end = std::ldexp(hit.dist_end, scaled.exponent);
+    }
+    if (cut_to_limits(hit)) accept(hit);
   }
 
-  /// Takes up what is there of a hit in shutter time, unless something is known to hide it.
+  /// Accepts what is there of a hit in shutter time, unless something is known to hide it.
   void add(Segment hit) {
-    if (!(hit.begin < hit.end) || is_hidden(hit) || !cut_to_limits(hit)) return;
-    if (is_whole(hit.mesh)) return take_up(hit);
-    if (cut_outs->is_veil(hit.mesh)) return take_up_veil(hit);
-    cut_outs->solid_times(ray, hit, present);
+    if (!(hit.begin < hit.end) || !shows(hit) || is_hidden(hit) || !cut_to_limits(hit)) return;
+    if (is_whole(hit.mesh)) return accept(hit);
+    if (cut_outs->is_blended(hit.mesh)) return accept_blended(hit);
+    cut_outs->solid_times(scaled.ray, hit, present);
     const float slope = (hit.dist_end - hit.dist_begin) / hit.duration();
     for (size_t i = 0; i + 1 < present.size(); i += 2) {
       Segment part = hit;
@@ -131,17 +149,18 @@ struct RayState {
       part.end = present[i + 1];
       if (part.begin > hit.begin) part.dist_begin = hit.dist_begin + slope * (part.begin - hit.begin);
       if (part.end < hit.end) part.dist_end = hit.dist_begin + slope * (part.end - hit.begin);
-      if (part.begin < part.end) take_up(part);
+      if (part.begin < part.end) accept(part);
     }
   }
 
   /// Whether a hit that lasts for the whole shutter, on what stands still, is there to hide what is behind it. What is
-  /// met of a veil is taken up here.
+  /// met of a blended mesh is accepted here.
   bool is_there(Segment hit) {
+    if (!shows(hit)) return false;
     if (is_whole(hit.mesh)) return true;
-    if (!cut_outs->is_veil(hit.mesh)) return cut_outs->solid(ray, hit.mesh, hit.triangle, hit.begin);
+    if (!cut_outs->is_blended(hit.mesh)) return cut_outs->solid(scaled.ray, hit.mesh, hit.triangle, hit.begin);
     if (mode == RayMode::all) return true;
-    if (cut_to_limits(hit)) take_up_veil(hit);
+    if (cut_to_limits(hit)) accept_blended(hit);
     return false;
   }
 
@@ -175,15 +194,15 @@ struct RayState {
     hit.end = end;
     return true;
   }
-  void take_up(const Segment& hit) {
+  void accept(const Segment& hit) {
     if (culls())
       bins.cover(hit.begin, hit.end,
                  mode == RayMode::occluded ? TimeBins::kNearest : std::max(hit.dist_begin, hit.dist_end));
     hits.push_back(hit);
   }
-  void take_up_veil(const Segment& hit) {
-    if (mode == RayMode::visible) veil_hits.push_back(hit);
-    if (mode == RayMode::all) take_up(hit);
+  void accept_blended(const Segment& hit) {
+    if (mode == RayMode::visible) blended_hits.push_back(hit);
+    if (mode == RayMode::all) accept(hit);
   }
 };
 

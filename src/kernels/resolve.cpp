@@ -230,7 +230,7 @@ class Sweep {
   std::vector<Segment>& out_;
   Piece seen_{};
   float pending_from_ = std::numeric_limits<float>::infinity();  // nothing pending comes nearer
-  size_t next_ = 0;                                              // first hit not taken up, as a place in pieces_
+  size_t next_ = 0;                                              // first hit not accepted, as a place in pieces_
   float now_ = 0;                                                // everything before is decided
   float change_ = 0;   // until then `seen_` is in front of everything that has begun
   float emitted_ = 0;  // end of the last segment
@@ -239,6 +239,13 @@ class Sweep {
 }  // namespace
 
 void resolve_visible(const std::vector<Segment>& hits, ResolveScratch& scratch, std::vector<Segment>& out) {
+  if (hits.size() == 1 && hits[0].end - hits[0].begin >= kTimeSnap) {  // what stands still is mostly seen so
+    Segment only = hits[0];
+    if (only.begin < kTimeSnap) only.begin = 0;
+    if (1 - only.end < kTimeSnap) only.end = 1;
+    out.assign(1, only);
+    return;
+  }
   sort_by_begin(hits, scratch);
   Sweep(hits, scratch, out).run();
 }

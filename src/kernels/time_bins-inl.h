@@ -74,7 +74,7 @@ HWY_INLINE bool AddWhole(RayState& state, const Segment& hit, TimeBins::Mask tou
 /// RayState::add.
 HWY_INLINE void AddHit(RayState& state, const Segment& hit) {
   if (!state.takes_whole(hit.mesh)) return state.add(hit);
-  if (hit.begin < hit.end)
+  if (hit.begin < hit.end && state.shows(hit))
     AddWhole(state, hit, TimeBins::touched(hit.begin, hit.end), TimeBins::filled(hit.begin, hit.end));
 }
 

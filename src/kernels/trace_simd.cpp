@@ -6,10 +6,8 @@
 #include <limits>
 
 #include "kernels/dispatch.h"
+#include "kernels/highway_targets.h"
 
-// The oldest instruction set compiled for; machines without it get the scalar code.
-#define HWY_BASELINE_TARGETS HWY_SSE4
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SCALAR | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/trace_simd.cpp"
 #include <hwy/foreach_target.h>
@@ -18,6 +16,7 @@
 #include "kernels/block_test-inl.h"
 #include "kernels/node_test-inl.h"
 #include "kernels/packet_collector-inl.h"
+#include "kernels/still_packet-inl.h"
 #include "kernels/time_bins-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -31,14 +30,11 @@ class Collector {
       : accel_(accel), frame_(ray), slabs_(ray), state_(state) {}
 
   void Run() {
-    RunStill();
+    if (accel_.still.root != kNoNode) CollectStill(accel_.still);
     for (const auto& tree : accel_.moving) {
       if (state_.is_complete()) return;
       CollectMoving(tree);
     }
-  }
-  void RunStill() {
-    if (accel_.still.root != kNoNode) CollectStill(accel_.still);
   }
 
  private:
@@ -157,7 +153,7 @@ class Collector {
 void CollectFast(const Accel& accel, const Ray& ray, RayState& state) { Collector<float>(accel, ray, state).Run(); }
 void CollectExact(const Accel& accel, const Ray& ray, RayState& state) { Collector<double>(accel, ray, state).Run(); }
 void CollectPacket(const Accel& accel, const RayPacket& packet, std::span<RayState> states) {
-  for (size_t i = 0; i < states.size(); ++i) Collector<float>(accel, packet.rays[i], states[i]).RunStill();
+  if (accel.still.root != kNoNode) StillPacketCollector(packet, states).Collect(accel.still);
   PacketCollector collector(packet, states);
   for (const auto& tree : accel.moving) collector.Collect(tree);
 }
@@ -177,19 +173,38 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace kairos {
 
+namespace {
+
+struct Compiled {
+  InstructionSet set;
+  int64_t target;  // Highway's bit for it
+  const Kernels* kernels;
+};
+
+/// What Highway has compiled above: which ones depends on the processor family and on the compiler.
+constexpr Compiled kCompiled[] = {
+#if (HWY_TARGETS & HWY_SSE4) != 0
+    {InstructionSet::sse4, HWY_SSE4, &N_SSE4::kKernels},
+#endif
+#if (HWY_TARGETS & HWY_AVX2) != 0
+    {InstructionSet::avx2, HWY_AVX2, &N_AVX2::kKernels},
+#endif
+#if (HWY_TARGETS & HWY_AVX3) != 0
+    {InstructionSet::avx512, HWY_AVX3, &N_AVX3::kKernels},
+#endif
+#if (HWY_TARGETS & HWY_NEON) != 0
+    {InstructionSet::neon, HWY_NEON, &N_NEON::kKernels},
+#endif
+    {InstructionSet::scalar, 0, nullptr}};  // so that the list is never empty
+
+}  // namespace
+
 const Kernels* find_kernels(InstructionSet set) {
   static constexpr Kernels kScalarKernels{collect_hits_scalar, collect_hits_scalar, nullptr, nullptr, nullptr};
+  if (set == InstructionSet::scalar) return &kScalarKernels;
   const int64_t here = hwy::SupportedTargets();
-  switch (set) {
-    case InstructionSet::scalar:
-      return &kScalarKernels;
-    case InstructionSet::sse4:
-      return (here & HWY_SSE4) != 0 ? &N_SSE4::kKernels : nullptr;
-    case InstructionSet::avx2:
-      return (here & HWY_AVX2) != 0 ? &N_AVX2::kKernels : nullptr;
-    case InstructionSet::avx512:
-      return (here & HWY_AVX3) != 0 ? &N_AVX3::kKernels : nullptr;
-  }
+  for (const Compiled& compiled : kCompiled)
+    if (compiled.set == set && (here & compiled.target) != 0) return compiled.kernels;
   return nullptr;
 }
 

@@ -117,6 +117,9 @@ std::vector<std::vector<Vec3f>> normals_at(const VertexMotion& motion, const Mot
   return normals;
 }
 
+/// See Material::double_sided.
+bool is_one_sided(const Material& material) { return !material.double_sided && !(material.transmission > 0); }
+
 Mesh make_mesh(const SceneMesh& source, const View& view, const ShotOptions& options, MeshReport& report) {
   const std::string place = "mesh '" + source.name + "'";
   MotionKeys keys = choose_motion_keys(*source.motion, view, options.motion_tolerance, place);
@@ -173,6 +176,8 @@ Shot make_shot(const Scene& scene, const ShotOptions& options) {
   parallel_for(small.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) make(small[i]);
   });
+  for (Mesh& mesh : shot.meshes)
+    mesh.one_sided = mesh.material < shot.materials.size() && is_one_sided(shot.materials[mesh.material]);
 
   shot.warnings = scene.warnings;
   if (!found) shot.notes.push_back("no camera in the scene: using one that frames it");

@@ -89,6 +89,11 @@ std::string JsonNode::string() const {
   return text;
 }
 
+bool JsonNode::boolean() const {
+  if (!value_.is_boolean()) fail(fmt::format("expected true or false, found {}", value_.type_name()));
+  return value_.get<bool>();
+}
+
 double JsonNode::number() const {
   if (!value_.is_number()) fail(fmt::format("expected a number, found {}", value_.type_name()));
   const double value = value_.get<double>();

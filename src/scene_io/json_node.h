@@ -37,6 +37,7 @@ class JsonNode {
   std::vector<JsonNode> items(size_t count) const;
 
   std::string string() const;
+  bool boolean() const;
   double number() const;  ///< finite
   double number(double low, double high) const;
   int integer(int low, int high) const;

@@ -34,7 +34,7 @@ AlphaCutOuts::Kind AlphaCutOuts::kind_of(uint32_t mesh) const {
     case Material::AlphaMode::mask:
       return has_texture || material.alpha < material.alpha_cutoff ? Kind::cut_out : Kind::whole;
     case Material::AlphaMode::blend:  // many exporters say so of all materials
-      return has_texture || material.alpha < 1 ? Kind::veil : Kind::whole;
+      return has_texture || material.alpha < 1 ? Kind::blended : Kind::whole;
   }
   return Kind::whole;
 }
@@ -51,7 +51,7 @@ float AlphaCutOuts::opacity(const Ray& ray, uint32_t mesh, uint32_t triangle, fl
 }
 
 bool AlphaCutOuts::solid(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
-  if (is_veil(mesh)) {
+  if (is_blended(mesh)) {
     const Vec3f &from = ray.origin, &way = ray.direction;
     const uint64_t chance = hash(bits_of(from.x, from.y), bits_of(from.z, time), bits_of(way.x, way.y),
                                  bits_of(way.z, 0), static_cast<uint64_t>(mesh) << 32 | triangle);

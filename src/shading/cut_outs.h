@@ -20,17 +20,17 @@ class AlphaCutOuts : public CutOuts {
   bool any() const { return any_; }  ///< is anything in the scene cut out or blended?
 
   bool has(uint32_t mesh) const override { return kinds_[mesh] != Kind::whole; }
-  bool is_veil(uint32_t mesh) const override { return kinds_[mesh] == Kind::veil; }
-  /// How much of what is behind a veil it hides, 0 to 1, where the ray meets the triangle at `time`.
+  bool is_blended(uint32_t mesh) const override { return kinds_[mesh] == Kind::blended; }
+  /// How much of what is behind a blended surface it hides, 0 to 1, where the ray meets the triangle at `time`.
   float opacity(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;
-  /// Of a veil: the chance is a hash of ray, time, mesh and triangle. Every sample's ray is another one.
+  /// Of a blended surface: the chance is a hash of ray, time, mesh and triangle. Every sample's ray is another one.
   bool solid(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const override;
   /// Looks along the path of the hit point over the picture, twice per texel, and finds each crossing of the cut-off
   /// by bisection to 1e-4 of the shutter.
   void solid_times(const Ray& ray, const Segment& hit, std::vector<float>& times) const override;
 
  private:
-  enum class Kind : uint8_t { whole, cut_out, veil };
+  enum class Kind : uint8_t { whole, cut_out, blended };
   Kind kind_of(uint32_t mesh) const;
   AlphaPoint at(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;
 

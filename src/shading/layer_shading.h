@@ -1,4 +1,4 @@
-// Colours of a ray that sees through veils, or a background that is not the same everywhere.
+// Colours of a ray that sees through blended surfaces, or a background that is not the same everywhere.
 #pragma once
 
 #include <algorithm>
@@ -18,19 +18,20 @@ class LayerShading {
   explicit LayerShading(const Shader& shader) : shader_(shader) {}
 
   /// options, share, phase: see spread_samples; every sample takes in all layers, each of which is a part of its own.
-  /// key: of the next shading evaluation; counts on. Returns the number of evaluations. docs/method.md, "Veils".
-  uint64_t shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> veils,
+  /// key: of the next shading evaluation; counts on. Returns the number of evaluations. docs/method.md, "Blended
+  /// surfaces".
+  uint64_t shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> blended,
                  ShadingOptions options, double share, float phase, SampleKey& key, RecordBuilder& out) {
-    layers_.build(segments, veils, shader_.has_sky());
-    veils_ = veils;
+    layers_.build(segments, blended, shader_.has_sky());
+    blended_ = blended;
     const std::span<const Segment> stretches = layers_.stretches();
     const auto index_of = [&](const Segment& stretch) { return static_cast<size_t>(&stretch - stretches.data()); };
     const auto joined = [&](const Segment& first, const Segment& second) {
       return options.clusters == Clusters::on && layers_joined(index_of(first), index_of(second));
     };
     const auto varies = [&](const Segment& stretch) {
-      for (const uint32_t veil : layers_.before(index_of(stretch)))
-        if (shader_.varies(veils[veil].mesh)) return true;
+      for (const uint32_t index : layers_.before(index_of(stretch)))
+        if (shader_.varies(blended[index].mesh)) return true;
       return stretch.mesh == kNoMesh ? shader_.sky_varies() : shader_.varies(stretch.mesh);
     };
     spread_samples(stretches, options.samples, share, phase, joined, varies, samples_);
@@ -51,18 +52,18 @@ class LayerShading {
     float opacity;
   };
 
-  /// Layer `depth` of a stretch: a veil, or what is behind them all.
+  /// Layer `depth` of a stretch: a blended surface, or what is behind them all.
   const Segment& layer(size_t stretch, size_t depth) const {
     const std::span<const uint32_t> before = layers_.before(stretch);
-    return depth < before.size() ? veils_[before[depth]] : layers_.stretches()[stretch];
+    return depth < before.size() ? blended_[before[depth]] : layers_.stretches()[stretch];
   }
 
   bool layers_joined(size_t first, size_t second) const {
-    const size_t veils = layers_.before(first).size();
-    if (layers_.before(second).size() != veils) return false;
-    for (size_t depth = 0; depth < veils; ++depth)
+    const size_t count = layers_.before(first).size();
+    if (layers_.before(second).size() != count) return false;
+    for (size_t depth = 0; depth < count; ++depth)
       if (!shader_.joined(layer(first, depth), layer(second, depth))) return false;
-    const Segment &back = layer(first, veils), &next = layer(second, veils);
+    const Segment &back = layer(first, count), &next = layer(second, count);
     return back.mesh == kNoMesh ? next.mesh == kNoMesh : shader_.joined(back, next);
   }
 
@@ -76,18 +77,18 @@ class LayerShading {
       seen_.push_back({depth, out.add_knot(sample.time, shade.colour, shade.normal, shade.albedo), opacity});
     };
     float open = 1;  // the share of the light from behind that comes through so far
-    const size_t veils = layers_.before(sample.segment).size();
-    for (size_t depth = 0; depth < veils && open > 0; ++depth) {
-      const Segment& veil = layer(sample.segment, depth);
-      const float opacity = shader_.opacity(ray, veil.mesh, veil.triangle, sample.time);
+    const size_t count = layers_.before(sample.segment).size();
+    for (size_t depth = 0; depth < count && open > 0; ++depth) {
+      const Segment& surface = layer(sample.segment, depth);
+      const float opacity = shader_.opacity(ray, surface.mesh, surface.triangle, sample.time);
       if (opacity > 0) add(depth, opacity);
       open *= 1 - opacity;
     }
     if (!(open > 0)) return;
-    if (layer(sample.segment, veils).mesh != kNoMesh)
-      add(veils, 1);
+    if (layer(sample.segment, count).mesh != kNoMesh)
+      add(count, 1);
     else if (shader_.has_sky() || seen_.empty())
-      seen_.push_back({veils, out.add_knot(sample.time, shader_.sky(ray, sample.time), {}, {}), 1});
+      seen_.push_back({count, out.add_knot(sample.time, shader_.sky(ray, sample.time), {}, {}), 1});
   }
 
   /// What the sample stands for within a stretch. The stretches of a cluster have the same number of layers.
@@ -108,7 +109,7 @@ class LayerShading {
 
   const Shader& shader_;
   Layers layers_;
-  std::span<const Segment> veils_;  // of the ray being shaded
+  std::span<const Segment> blended_;  // of the ray being shaded
   std::vector<ShadingSample> samples_;
   std::vector<Seen> seen_;
 };

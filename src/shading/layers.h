@@ -12,24 +12,24 @@ namespace kairos {
 /// One ray's; reused from ray to ray.
 class Layers {
  public:
-  /// segments and veils: as the tracer hands them over. fill_gaps: make stretches of those in which nothing is seen,
+  /// segments and blended: as the tracer hands them over. fill_gaps: make stretches of those in which nothing is seen,
   /// too.
-  void build(std::span<const Segment> segments, std::span<const Segment> veils, bool fill_gaps);
+  void build(std::span<const Segment> segments, std::span<const Segment> blended, bool fill_gaps);
 
-  /// Disjoint, in time order. Of each: the part of a segment that lies behind all of its veils, or one with the mesh
-  /// kNoMesh and at infinity, where nothing does.
+  /// Disjoint, in time order. Of each: the part of a segment that lies behind all of its blended surfaces, or one
+  /// with the mesh kNoMesh and at infinity, where nothing does.
   std::span<const Segment> stretches() const { return stretches_; }
-  /// Indices of the veils before stretch `index`, front to back.
+  /// Indices of the blended surfaces before stretch `index`, front to back.
   std::span<const uint32_t> before(size_t index) const {
     return {order_.data() + (index == 0 ? 0 : ends_[index - 1]), order_.data() + ends_[index]};
   }
 
  private:
-  void find_cuts(std::span<const Segment> segments, std::span<const Segment> veils);
-  void add(const Segment& back, std::span<const Segment> veils);
+  void find_cuts(std::span<const Segment> segments, std::span<const Segment> blended);
+  void add(const Segment& back, std::span<const Segment> blended);
 
   std::vector<float> cuts_;
-  std::vector<uint32_t> active_;  // veils of the stretch that is being made
+  std::vector<uint32_t> active_;  // blended surfaces of the stretch that is being made
   std::vector<Segment> stretches_;
   std::vector<size_t> ends_;  // [stretch]: end of its part of order_
   std::vector<uint32_t> order_;

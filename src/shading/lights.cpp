@@ -129,7 +129,9 @@ std::optional<ArrivingLight> Lights::area(Vec3d point, float time, const std::ar
   const Vec3d way = target - point;
   const double dist_squared = dot(way, way), dist = std::sqrt(dist_squared);
   if (!(dist > 0) || !(probability > 0)) return std::nullopt;
-  const double cosine = std::abs(dot(geometric_normal(v), way)) / dist;
+  const double towards = -dot(geometric_normal(v), way);
+  if (mesh.one_sided && !(towards > 0)) return std::nullopt;  // it shines as it is seen: from its front
+  const double cosine = std::abs(towards) / dist;
   const Vec3f emission = shot_.materials[mesh.material].emission;
   const double factor =
       presence(chosen->mesh, chosen->triangle, v, weights) * cosine * area_of(v) / (dist_squared * probability);

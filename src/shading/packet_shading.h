@@ -35,10 +35,10 @@ class PacketShading {
   /// it. The parts of a ray cover exactly what its segments cover, and each is part of one of them.
   void shade(const Packet& packet, RecordBuilder& out, std::vector<uint32_t>& ends) {
     const bool layered = shader_.has_sky() || std::any_of(packet.seen.begin(), packet.seen.end(),
-                                                          [](const SeenByRay& ray) { return !ray.veils.empty(); });
+                                                          [](const SeenByRay& ray) { return !ray.blended.empty(); });
     if (options_.clusters == Clusters::pixel && !layered) return shade_together(packet, out, ends);
     for (size_t i = 0; i < packet.rays.size(); ++i) {
-      single_.shade(packet.rays[i], packet.seen[i].segments, packet.seen[i].veils, packet.pixel_seed,
+      single_.shade(packet.rays[i], packet.seen[i].segments, packet.seen[i].blended, packet.pixel_seed,
                     packet.first + static_cast<uint32_t>(i), packet.phases[i], out);
       ends.push_back(out.part_count());
     }

@@ -24,14 +24,14 @@ class SegmentShading {
  public:
   SegmentShading(const Shader& shader, ShadingOptions options) : shader_(shader), options_(options), layers_(shader) {}
 
-  /// Appends the parts of the segments of ray `index` of a pixel, seen through `veils`, to `out`: they cover exactly
+  /// Appends the parts of the segments of ray `index` of a pixel, seen through `blended`, to `out`: they cover exactly
   /// what the segments cover, and each is part of one of them. phase: see spread_samples.
-  void shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> veils, uint64_t pixel_seed,
+  void shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> blended, uint64_t pixel_seed,
              uint32_t index, float phase, RecordBuilder& out) {
     if (pixel_seed != key_.seed) key_ = {pixel_seed, 0};
     const double share = unit_float(hash(pixel_seed, index, kShareDimension));
-    if (!veils.empty() || shader_.has_sky()) {
-      evaluations_ += layers_.shade(ray, segments, veils, options_, share, phase, key_, out);
+    if (!blended.empty() || shader_.has_sky()) {
+      evaluations_ += layers_.shade(ray, segments, blended, options_, share, phase, key_, out);
       return;
     }
     spread_samples(

@@ -50,7 +50,7 @@ class Shader {
   /// without a jump, so that what is seen of both may be shaded as one.
   bool joined(const Segment& first, const Segment& second) const;
 
-  /// Of a veil: how much of what is behind it it hides. See CutOuts.
+  /// How much of what is behind a blended surface it hides. See CutOuts.
   float opacity(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
     return cut_outs_ ? cut_outs_->opacity(ray, mesh, triangle, time) : 1;
   }
@@ -61,7 +61,7 @@ class Shader {
   bool has_sky() const { return kind_ != ShadingKind::normal && !sky_->empty(); }  ///< are there pictures?
   bool sky_varies() const { return has_sky() && shot_.camera_moves; }  ///< may it look different at other instants?
 
-  /// Where surfaces are missing or veils: for everything that traces rays through the shot. Null for nowhere.
+  /// Where surfaces are missing or blended: for everything that traces rays through the shot. Null for nowhere.
   const std::shared_ptr<const AlphaCutOuts>& cut_outs() const { return cut_outs_; }
 
  private:

@@ -206,7 +206,7 @@ Vec3f Whitted::transmittance(const Point& point, Vec3d direction, double dist, c
   Ray ray = point.ray(direction, 1);
   dist -= 2 * point.offset;
   for (int pane = 0; pane < kMostPanes; ++pane) {
-    const auto hit = scene_->intersect(ray, instant.time, static_cast<float>(dist * kShadowEnd));
+    const auto hit = scene_->intersect(ray, instant.time, static_cast<float>(dist * kShadowEnd), Facing::far_end);
     if (!hit) return open;
     if (!(looks_.material(hit->mesh).transmission > 0)) return {};
     const Point glass = point_at(ray, hit->mesh, hit->triangle, point.width, instant);

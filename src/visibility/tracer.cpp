@@ -40,14 +40,15 @@ struct Tracer::Impl {
   CollectHits collect = nullptr;
   CollectPacketHits collect_packet = nullptr;
   std::shared_ptr<const CutOuts> cut_outs;
+  std::vector<uint8_t> one_sided;  // [mesh]; empty where none is
 
   void begin(RayState& state, RayMode mode, const TraceLimits& limits, const Ray& ray) const {
-    state.begin_ray(mode, limits, depth, ray, cut_outs.get());
+    state.begin_ray(mode, limits, depth, ray, cut_outs.get(), one_sided.empty() ? nullptr : one_sided.data());
   }
   void run(RayState& state, RayMode mode, const TraceLimits& limits, const Ray& ray) const {
     check(limits);
     begin(state, mode, limits, ray);
-    if (is_traceable(ray)) collect(accel, ray, state);
+    if (is_traceable(ray)) collect(accel, state.scaled.ray, state);
     state.end_ray();
   }
 };
@@ -66,7 +67,7 @@ TraceCounters Tracer::Workspace::counters() const {
   for (const RayState& ray : state_->rays) sum += ray.counters;
   return sum;
 }
-std::span<const Segment> Tracer::Workspace::veils() const { return state_->rays[0].veils; }
+std::span<const Segment> Tracer::Workspace::blended() const { return state_->rays[0].blended; }
 
 Tracer::Tracer(std::span<const Mesh> meshes, const TracerOptions& options) : impl_(std::make_unique<Impl>()) {
   for (const Mesh& mesh : meshes) validate_mesh(mesh);
@@ -78,6 +79,8 @@ Tracer::Tracer(std::span<const Mesh> meshes, const TracerOptions& options) : imp
   impl_->collect = options.precision == Precision::fast ? kernels->collect_fast : kernels->collect_exact;
   if (options.precision == Precision::fast) impl_->collect_packet = kernels->collect_packet;
   impl_->cut_outs = options.cut_outs;
+  if (std::any_of(meshes.begin(), meshes.end(), [](const Mesh& mesh) { return mesh.one_sided; }))
+    for (const Mesh& mesh : meshes) impl_->one_sided.push_back(mesh.one_sided ? 1 : 0);
   impl_->accel = build_accel(meshes, options.moving_meshes_only);
   impl_->depth = impl_->accel.depth();
 }
@@ -99,32 +102,31 @@ std::span<const TimeRange> Tracer::occluded(const Ray& ray, Workspace& workspace
 }
 
 std::span<const SeenByRay> Tracer::trace_packet(std::span<const Ray> rays, Visibility visibility, Workspace& workspace,
-                                                std::span<const Segment> backdrops, bool together,
+                                                std::span<const Segment> occluder_hints, bool together,
                                                 const TraceLimits& limits) const {
   if (rays.size() > kMaxPacket)
     throw Error(ErrorCode::bad_usage, "Tracer::trace_packet", "more than 16 rays; divide them into several packets");
-  if (!backdrops.empty() && backdrops.size() != rays.size())
-    throw Error(ErrorCode::bad_usage, "Tracer::trace_packet", "give as many backdrops as rays, or none");
+  if (!occluder_hints.empty() && occluder_hints.size() != rays.size())
+    throw Error(ErrorCode::bad_usage, "Tracer::trace_packet", "give as many occluder hints as rays, or none");
   check(limits);
   auto& [states, results] = *workspace.state_;
   const auto used = std::span(states).first(rays.size());
-  bool traceable = true;
   for (size_t i = 0; i < rays.size(); ++i) {
     impl_->begin(states[i], mode_of(visibility), limits, rays[i]);
-    if (!backdrops.empty()) states[i].add_backdrop(backdrops[i]);
-    traceable = traceable && is_traceable(rays[i]);
+    if (!occluder_hints.empty()) states[i].add_occluder_hint(occluder_hints[i]);
+    together = together && is_traceable(rays[i]) && states[i].scaled.exponent == 0;
   }
   std::optional<RayPacket> packet;
-  if (together && rays.size() > 1 && traceable && impl_->collect_packet != nullptr) packet = make_packet(rays);
+  if (together && rays.size() > 1 && impl_->collect_packet != nullptr) packet = make_packet(rays);
   if (packet) {
     impl_->collect_packet(impl_->accel, *packet, used);
   } else {
     for (size_t i = 0; i < rays.size(); ++i)
-      if (is_traceable(rays[i])) impl_->collect(impl_->accel, rays[i], states[i]);
+      if (is_traceable(rays[i])) impl_->collect(impl_->accel, states[i].scaled.ray, states[i]);
   }
   for (size_t i = 0; i < rays.size(); ++i) {
     states[i].end_ray();
-    results[i] = {states[i].segments, states[i].veils};
+    results[i] = {states[i].segments, states[i].blended};
   }
   return std::span(results).first(rays.size());
 }

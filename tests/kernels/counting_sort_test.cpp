@@ -25,7 +25,7 @@ std::vector<uint32_t> order_of(std::vector<float> values) {
 
 TEST(CountingSort, IsAStableSortOfListsOfAnyLength) {
   const uint32_t seed = test::seed();
-  for (const int64_t target : {HWY_SSE4, HWY_AVX2, HWY_AVX3}) {
+  for (const int64_t target : {HWY_SSE4, HWY_AVX2, HWY_AVX3, HWY_NEON}) {
     if ((hwy::SupportedTargets() & target) == 0) continue;
     hwy::SetSupportedTargetsForTest(target);
     std::mt19937 random(seed);

@@ -244,12 +244,12 @@ TEST(Limits, OccludedLooksNoFurtherOnceTheWindowIsFull) {
   EXPECT_LE(window.counters().triangles, whole.counters().triangles);
 }
 
-/// Mesh 0 has a hole from 0.5 on, or is a veil.
+/// Mesh 0 has a hole from 0.5 on, or is blended.
 class Hole : public CutOuts {
  public:
-  explicit Hole(bool veil) : veil_(veil) {}
+  explicit Hole(bool blended) : blended_(blended) {}
   bool has(uint32_t mesh) const override { return mesh == 0; }
-  bool is_veil(uint32_t mesh) const override { return veil_ && mesh == 0; }
+  bool is_blended(uint32_t mesh) const override { return blended_ && mesh == 0; }
   bool solid(const Ray&, uint32_t, uint32_t, float time) const override { return time < 0.5f; }
   void solid_times(const Ray&, const Segment& hit, std::vector<float>& times) const override {
     times.clear();
@@ -257,30 +257,30 @@ class Hole : public CutOuts {
   }
 
  private:
-  bool veil_;
+  bool blended_;
 };
 
-TEST(Limits, OccludedRespectsCutOutsAndPassesThroughVeils) {
-  for (const bool veil : {false, true}) {
+TEST(Limits, OccludedRespectsCutOutsAndPassesThroughBlendedSurfaces) {
+  for (const bool blended : {false, true}) {
     TracerOptions options;
-    options.cut_outs = std::make_shared<Hole>(veil);
+    options.cut_outs = std::make_shared<Hole>(blended);
     const Tracer tracer(std::vector{passing_triangle()}, options);
     Tracer::Workspace workspace;
     const auto covered = tracer.occluded(kRay, workspace);
-    ASSERT_EQ(covered.size(), veil ? 0u : 1u);
-    if (veil) continue;
+    ASSERT_EQ(covered.size(), blended ? 0u : 1u);
+    if (blended) continue;
     EXPECT_EQ(covered[0].begin, 0.4375f);
     EXPECT_EQ(covered[0].end, 0.5f);
     tracer.trace(kRay, Visibility::visible, workspace, {0.5f, 1});
-    EXPECT_TRUE(workspace.veils().empty());
+    EXPECT_TRUE(workspace.blended().empty());
   }
   TracerOptions options;
   options.cut_outs = std::make_shared<Hole>(true);
   const Tracer tracer(std::vector{passing_triangle()}, options);
   Tracer::Workspace workspace;
   EXPECT_TRUE(tracer.trace(kRay, Visibility::visible, workspace, {0.5f, 1}).empty());
-  ASSERT_EQ(workspace.veils().size(), 1u);
-  EXPECT_EQ(workspace.veils()[0].begin, 0.5f);
+  ASSERT_EQ(workspace.blended().size(), 1u);
+  EXPECT_EQ(workspace.blended()[0].begin, 0.5f);
 }
 
 TEST(Limits, ThatMakeNoSenseAreRefused) {

@@ -108,6 +108,86 @@ TEST_P(Packets, MeetTheTrianglesThatSingleRaysMeet) {
   EXPECT_LE(different, segments / 200) << "of " << segments << ", seed " << seed;
 }
 
+Mesh still_soup(std::mt19937& random, uint32_t count) {
+  Mesh mesh = random_soup(random, test::Motion::still, count);
+  mesh.positions.resize(1);
+  return mesh;
+}
+
+TEST_P(Packets, SeeTheNearestOfWhatStandsStill) {
+  const uint32_t seed = test::seed();
+  std::mt19937 random(seed);
+  size_t rays_traced = 0, agree = 0;
+  for (int round = 0; round < 8; ++round) {
+    const std::vector<Mesh> meshes{still_soup(random, 30), still_soup(random, 300)};
+    const Tracer exact(meshes, {Precision::exact, InstructionSet::scalar});
+    const Tracer fast(meshes, {Precision::fast, GetParam()});
+    Tracer::Workspace workspace;
+    for (size_t count = 2; count <= Tracer::kMaxPacket; ++count)
+      for (const float width : {1e-3f, 0.02f}) {
+        const std::vector<Ray> rays = bundle(random, count, width);
+        const auto got = trace_packet(fast, rays, Visibility::visible);
+        for (size_t r = 0; r < count; ++r) {
+          const auto want = exact.trace(rays[r], Visibility::visible, workspace);
+          ++rays_traced;
+          ASSERT_LE(got[r].size(), 1u);
+          if (got[r].size() != want.size()) continue;
+          if (want.empty() || (got[r][0].mesh == want[0].mesh && got[r][0].triangle == want[0].triangle)) ++agree;
+          if (want.empty()) continue;
+          EXPECT_EQ(got[r][0].begin, 0);
+          EXPECT_EQ(got[r][0].end, 1);
+          EXPECT_EQ(got[r][0].dist_begin, got[r][0].dist_end);
+          if (got[r][0].triangle != want[0].triangle) continue;
+          EXPECT_NEAR(got[r][0].dist_begin, want[0].dist_begin, 1e-4f * want[0].dist_begin);
+          EXPECT_EQ(got[r][0].front, want[0].front);
+        }
+      }
+  }
+  EXPECT_GE(static_cast<double>(agree), 0.998 * static_cast<double>(rays_traced)) << "seed " << seed;
+}
+
+TEST_P(Packets, MeetAllOfWhatStandsStill) {
+  const uint32_t seed = test::seed();
+  std::mt19937 random(seed);
+  const Tracer tracer(std::vector{still_soup(random, 300)}, {Precision::fast, GetParam()});
+  Tracer::Workspace workspace;
+  size_t met = 0, different = 0;
+  for (int i = 0; i < 40; ++i) {
+    const std::vector<Ray> rays = bundle(random, 2 + random() % 15, 0.02f);
+    const auto got = trace_packet(tracer, rays, Visibility::all);
+    for (size_t r = 0; r < rays.size(); ++r) {
+      const auto want = tracer.trace(rays[r], Visibility::all, workspace);
+      met += want.size();
+      different += !std::equal(want.begin(), want.end(), got[r].begin(), got[r].end(),
+                               [](const Segment& a, const Segment& b) { return a.triangle == b.triangle; });
+    }
+  }
+  EXPECT_GT(met, 300u);
+  EXPECT_LE(different, met / 100) << "of " << met << ", seed " << seed;
+}
+
+TEST_P(Packets, StandStillBehindWhatIsKnownToHideThem) {
+  std::mt19937 random(test::seed());
+  const Tracer tracer(std::vector{still_soup(random, 300)}, {Precision::fast, GetParam()});
+  Tracer::Workspace workspace;
+  size_t hidden = 0, in_front = 0;
+  for (int i = 0; i < 40; ++i) {
+    const std::vector<Ray> rays = bundle(random, 2 + random() % 15, 0.02f);
+    const auto free = trace_packet(tracer, rays, Visibility::visible);
+    std::vector<Segment> hints(rays.size(), Segment{0, 1, 8, 8, 7, 9, true});
+    const auto seen = tracer.trace_packet(rays, Visibility::visible, workspace, hints);
+    for (size_t r = 0; r < rays.size(); ++r) {
+      ASSERT_EQ(seen[r].segments.size(), 1u);
+      const bool is_in_front = !free[r].empty() && free[r][0].dist_begin < 8;
+      ++(is_in_front ? in_front : hidden);
+      EXPECT_EQ(seen[r].segments[0].mesh, is_in_front ? 0u : 7u);
+      EXPECT_EQ(seen[r].segments[0].triangle, is_in_front ? free[r][0].triangle : 9u);
+    }
+  }
+  EXPECT_GT(hidden, 20u);
+  EXPECT_GT(in_front, 20u);
+}
+
 TEST_P(Packets, AreTracedOneByOneWhereTheyShareNothing) {
   std::mt19937 random(5);
   const Tracer tracer(std::vector{random_soup(random, test::Motion::deform, 200)}, {Precision::fast, GetParam()});
@@ -132,7 +212,7 @@ TEST_P(Packets, AreTracedOneByOneWhereTheyShareNothing) {
 TEST_P(Packets, GiveTheSameBitsWithAnyVectorInstructionSet) {
   if (GetParam() == InstructionSet::scalar) GTEST_SKIP() << "it computes in double precision";
   std::mt19937 random(test::seed());
-  const std::vector<Mesh> meshes{random_soup(random, test::Motion::deform, 200)};
+  const std::vector<Mesh> meshes{random_soup(random, test::Motion::deform, 200), still_soup(random, 50)};
   const Tracer best(meshes, {Precision::fast, supported_instruction_sets().back()});
   const Tracer tracer(meshes, {Precision::fast, GetParam()});
   for (size_t count : {2u, 4u, 5u, 16u})
@@ -150,17 +230,19 @@ INSTANTIATE_TEST_SUITE_P(InstructionSets, Packets,
 
 TEST(Packets, ShareMostOfTheirWork) {
   std::mt19937 random(9);
-  const Tracer tracer(std::vector{random_soup(random, test::Motion::translation, 2000)}, {Precision::fast, {}});
-  if (tracer.instruction_set() == InstructionSet::scalar) GTEST_SKIP() << "no vector instructions here";
-  Tracer::Workspace alone, together;
-  for (int i = 0; i < 20; ++i) {
-    const std::vector<Ray> rays = bundle(random, 16, 0.005f);
-    for (const Ray& ray : rays) tracer.trace(ray, Visibility::visible, alone);
-    tracer.trace_packet(rays, Visibility::visible, together);
+  for (const Mesh& mesh : {random_soup(random, test::Motion::translation, 2000), still_soup(random, 2000)}) {
+    const Tracer tracer(std::vector{mesh}, {Precision::fast, {}});
+    if (tracer.instruction_set() == InstructionSet::scalar) GTEST_SKIP() << "no vector instructions here";
+    Tracer::Workspace alone, together;
+    for (int i = 0; i < 20; ++i) {
+      const std::vector<Ray> rays = bundle(random, 16, 0.005f);
+      for (const Ray& ray : rays) tracer.trace(ray, Visibility::visible, alone);
+      tracer.trace_packet(rays, Visibility::visible, together);
+    }
+    EXPECT_EQ(together.counters().rays, alone.counters().rays);
+    EXPECT_LT(together.counters().nodes, alone.counters().nodes / 8);
+    EXPECT_LT(together.counters().triangles, alone.counters().triangles / 6);
   }
-  EXPECT_EQ(together.counters().rays, alone.counters().rays);
-  EXPECT_LT(together.counters().nodes, alone.counters().nodes / 8);
-  EXPECT_LT(together.counters().triangles, alone.counters().triangles / 6);
 }
 
 }  // namespace

@@ -157,6 +157,73 @@ TEST_P(TracerOnSoup, RaysThatAreNoneMeetNothing) {
     EXPECT_TRUE(trace(tracer, ray, Visibility::all).empty());
 }
 
+TEST_P(TracerOnSoup, DirectionsOfAnyLengthSeeTheSame) {
+  std::mt19937 random(test::seed());
+  std::vector<Mesh> meshes{random_soup(random, test::Motion::deform, 60), random_soup(random, test::Motion::still, 20)};
+  meshes[1].positions.resize(1);
+  for (const Precision precision : {Precision::fast, Precision::exact}) {
+    const Tracer tracer(meshes, {precision, GetParam()});
+    for (int r = 0; r < 50; ++r) {
+      Ray ray = random_ray(random);
+      ray.direction = {0.25f, 0.25f * static_cast<float>(1 + random() % 3), -1};  // few bits, so that none is lost
+      const auto want = trace(tracer, ray, Visibility::visible);
+      for (const int exponent : {-146, -126, -100, -31, 40, 126}) {  // denormals first
+        Ray scaled = ray;
+        for (int k = 0; k < 3; ++k) scaled.direction[k] = std::ldexp(ray.direction[k], exponent);
+        const auto got = trace(tracer, scaled, Visibility::visible);
+        ASSERT_EQ(got.size(), want.size()) << "2^" << exponent;
+        Tracer::Workspace workspace;
+        const std::vector<Ray> both{scaled, scaled};
+        const auto packet = tracer.trace_packet(both, Visibility::visible, workspace);
+        for (size_t i = 0; i < want.size(); ++i) {
+          EXPECT_EQ(got[i].begin, want[i].begin);
+          EXPECT_EQ(got[i].end, want[i].end);
+          EXPECT_EQ(got[i].triangle, want[i].triangle);
+          EXPECT_EQ(got[i].dist_end, std::ldexp(want[i].dist_end, -exponent));
+        }
+        EXPECT_EQ(packet[1].segments.size(), want.size());
+      }
+    }
+  }
+}
+
+TEST(MovingTriangle, EveryIntervalIsFoundHoweverManyThereAre) {
+  // Where in [0, 1] a ray meets a triangle of wild motion, by the signs of its edge functions at many instants.
+  std::mt19937 random(test::seed());
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  int most = 0;
+  for (int round = 0; round < 200000; ++round) {
+    FramedTriangle<double> framed{};
+    std::array<Quadratic<double>, 3> edges;
+    for (Quadratic<double>& e : edges) {  // mostly with two roots, so that there are many intervals
+      const double from = uniform(random), to = uniform(random), middle = uniform(random);
+      e = {std::abs(from), -std::abs(middle), std::abs(to)};
+    }
+    for (auto& key : framed.dist)
+      for (double& dist : key) dist = uniform(random);
+    const HitIntervals<double> found = intersect_moving_triangle(framed, edges);
+    most = std::max(most, found.count);
+    if (found.count < 4) continue;
+    for (int k = 0; k < 200; ++k) {
+      const double time = (k + 0.5) / 200;
+      double sum = 0, least = INFINITY, greatest = -INFINITY;
+      for (size_t i = 0; i < 3; ++i) {
+        const double e = edges[i].at(time);
+        least = std::min(least, e);
+        greatest = std::max(greatest, e);
+        sum += e * (framed.dist[0][i] + time * (framed.dist[1][i] - framed.dist[0][i]));
+      }
+      if (std::min(std::abs(least), std::abs(greatest)) < 1e-9 || std::abs(sum) < 1e-9) continue;
+      const bool met = (least > 0 && sum > 0) || (greatest < 0 && sum < 0);
+      int times_met = 0;
+      for (int i = 0; i < found.count; ++i)
+        times_met += found.hit[static_cast<size_t>(i)].begin <= time && time < found.hit[static_cast<size_t>(i)].end;
+      ASSERT_EQ(times_met, met ? 1 : 0) << round << " at " << time;
+    }
+  }
+  EXPECT_GE(most, 4);
+}
+
 INSTANTIATE_TEST_SUITE_P(InstructionSets, TracerOnSoup,
                          testing::ValuesIn(supported_instruction_sets().begin(), supported_instruction_sets().end()),
                          [](const auto& instance) { return std::string(to_string(instance.param)); });

@@ -43,7 +43,7 @@ class Native : public testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(Native, AlphaMakesMasksAndVeils) {
+TEST_F(Native, AlphaMakesMasksAndBlended) {
   using Mode = Material::AlphaMode;
   const auto read = [&](const std::string& fields) {
     return load(R"({"kairos": 1, "materials": {"m": {)" + fields + "}}}").materials.at(1);

@@ -46,7 +46,7 @@ void read_alpha(const JsonNode& node, Material& material) {
 Material read_material(const std::string& name, const JsonNode& node, const std::string& folder) {
   node.expect_fields({"base_color", "base_color_texture", "emission", "emission_texture", "metallic", "roughness",
                       "metallic_roughness_texture", "transmission", "ior", "alpha_mode", "alpha", "alpha_texture",
-                      "alpha_cutoff"});
+                      "alpha_cutoff", "double_sided"});
   Material material;
   material.name = name;
   read_if(node, "base_color", material.base_color);
@@ -62,6 +62,7 @@ Material read_material(const std::string& name, const JsonNode& node, const std:
   read_texture("emission_texture", material.emission_texture);
   read_texture("metallic_roughness_texture", material.metallic_roughness_texture);
   read_alpha(node, material);
+  if (const auto sides = node.find("double_sided")) material.double_sided = sides->boolean();
   read_texture("alpha_texture", material.alpha_texture);
   return material;
 }

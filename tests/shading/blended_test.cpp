@@ -1,5 +1,5 @@
 // Blended surfaces: how much is seen of them and through them, and when.
-#include "kernels/veils.h"
+#include "kernels/blended.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr Vec3f kRed{1, 0, 0}, kGreen{0, 1, 0}, kBlue{0, 0, 1};
 
-Material veil(Vec3f colour, float alpha) {
+Material blended(Vec3f colour, float alpha) {
   Material material = lambert(colour);
   material.alpha_mode = Material::AlphaMode::blend;
   material.alpha = alpha;
@@ -83,61 +83,63 @@ void expect_everywhere(const Shot& shot, Vec3f colour, float coverage) {
   }
 }
 
-TEST(Veils, HalfOfTheTimeInFrontOfAWall) {
-  expect_everywhere(point_shot({veil(kRed, 0.5f), lambert(kBlue)}, {moving(pane(-2, -4, 0), {4, 0, 0}), wall(-8, 1)}),
+TEST(Blended, HalfOfTheTimeInFrontOfAWall) {
+  expect_everywhere(
+      point_shot({blended(kRed, 0.5f), lambert(kBlue)}, {moving(pane(-2, -4, 0), {4, 0, 0}), wall(-8, 1)}),
+      {0.25f, 0, 0.75f}, 1);
+}
+
+TEST(Blended, StandingStillToo) {
+  expect_everywhere(point_shot({blended(kRed, 0.25f), lambert(kBlue)}, {pane(0, -4, 0), wall(-8, 1)}),
                     {0.25f, 0, 0.75f}, 1);
 }
 
-TEST(Veils, StandingStillToo) {
-  expect_everywhere(point_shot({veil(kRed, 0.25f), lambert(kBlue)}, {pane(0, -4, 0), wall(-8, 1)}), {0.25f, 0, 0.75f},
-                    1);
-}
-
-TEST(Veils, OneThatStandsStillBeforeWhatMoves) {
+TEST(Blended, OneThatStandsStillBeforeWhatMoves) {
   expect_everywhere(
-      point_shot({veil(kRed, 0.25f), lambert(kBlue)}, {pane(0, -4, 0), moving(pane(-2, -8, 1), {4, 0, 0})}),
+      point_shot({blended(kRed, 0.25f), lambert(kBlue)}, {pane(0, -4, 0), moving(pane(-2, -8, 1), {4, 0, 0})}),
       {0.25f, 0, 0.375f}, 0.625f);
 }
 
-TEST(Veils, BeforeTheBackground) {
-  Shot shot = point_shot({veil(kRed, 0.5f)}, {moving(pane(-2, -4, 0), {4, 0, 0})});
+TEST(Blended, BeforeTheBackground) {
+  Shot shot = point_shot({blended(kRed, 0.5f)}, {moving(pane(-2, -4, 0), {4, 0, 0})});
   shot.background = {0, 0.5f, 0};
   expect_everywhere(shot, {0.25f, 0.375f, 0}, 0.25f);
   EXPECT_NEAR(picture(shot, IntegratorKind::tc, 1).find("depth.Z")->values[0], 4, 1e-4);
 }
 
-TEST(Veils, TwoThatCrossInDepth) {
+TEST(Blended, TwoThatCrossInDepth) {
   // The red one passes the green one after a quarter of the time.
-  expect_everywhere(point_shot({veil(kRed, 0.5f), veil(kGreen, 0.5f), lambert(kBlue)},
+  expect_everywhere(point_shot({blended(kRed, 0.5f), blended(kGreen, 0.5f), lambert(kBlue)},
                                {moving(pane(0, -4, 0), {0, 0, -4}), pane(0, -5, 1), wall(-9, 2)}),
                     {0.3125f, 0.4375f, 0.25f}, 1);
 }
 
-TEST(Veils, OneThatGoesThroughTheWall) {
-  expect_everywhere(point_shot({veil(kRed, 0.5f), lambert(kBlue)}, {moving(pane(0, -4, 0), {0, 0, -8}), wall(-6, 1)}),
-                    {0.125f, 0, 0.875f}, 1);
+TEST(Blended, OneThatGoesThroughTheWall) {
+  expect_everywhere(
+      point_shot({blended(kRed, 0.5f), lambert(kBlue)}, {moving(pane(0, -4, 0), {0, 0, -8}), wall(-6, 1)}),
+      {0.125f, 0, 0.875f}, 1);
 }
 
-TEST(Veils, TwoInOnePlace) {  // as leaves have that are drawn on both sides
+TEST(Blended, TwoInOnePlace) {  // as leaves have that are drawn on both sides
   Mesh back = pane(0, -4.37f, 1);
   for (Triangle& triangle : back.triangles) std::swap(triangle[1], triangle[2]);
   expect_everywhere(
-      point_shot({veil(kRed, 0.5f), veil(kRed, 0.25f), lambert(kBlue)}, {pane(0, -4.37f, 0), back, wall(-9, 2)}),
+      point_shot({blended(kRed, 0.5f), blended(kRed, 0.25f), lambert(kBlue)}, {pane(0, -4.37f, 0), back, wall(-9, 2)}),
       {0.625f, 0, 0.375f}, 1);
 }
 
-TEST(Veils, ManyPiecesOfWhatTurnsBehind) {
-  // A wall that comes to meet the veil and goes back: it hides it from a quarter to three quarters of the time.
+TEST(Blended, ManyPiecesOfWhatTurnsBehind) {
+  // A wall that comes to meet the pane and goes back: it hides it from a quarter to three quarters of the time.
   Mesh swings = wall(-8, 1);
   swings.positions.assign(3, swings.positions[0]);
   for (Vec3f& p : swings.positions[1]) p.z = -4;
   swings.key_times = {0, 0.5f, 1};
-  expect_everywhere(point_shot({veil(kRed, 0.5f), lambert(kBlue)}, {pane(0, -6, 0), swings}), {0.25f, 0, 0.75f}, 1);
+  expect_everywhere(point_shot({blended(kRed, 0.5f), lambert(kBlue)}, {pane(0, -6, 0), swings}), {0.25f, 0, 0.75f}, 1);
 }
 
-TEST(Veils, WhatHidesNothingStaysOutOfTheSegments) {
-  const Shot shot =
-      point_shot({veil(kRed, 0.5f), lambert(kBlue)}, {moving(pane(0, -4, 0), {0, 0, -8}), wall(-6, 1), pane(0, -3, 0)});
+TEST(Blended, WhatHidesNothingStaysOutOfTheSegments) {
+  const Shot shot = point_shot({blended(kRed, 0.5f), lambert(kBlue)},
+                               {moving(pane(0, -4, 0), {0, 0, -8}), wall(-6, 1), pane(0, -3, 0)});
   const Shader shader(shot, ShadingKind::flat, false);
   for (const InstructionSet set : supported_instruction_sets())
     for (const Precision precision : {Precision::fast, Precision::exact}) {
@@ -148,28 +150,28 @@ TEST(Veils, WhatHidesNothingStaysOutOfTheSegments) {
       ASSERT_EQ(seen.size(), 1u) << to_string(set);
       EXPECT_EQ(seen[0].mesh, 1u);
       EXPECT_EQ(seen[0].duration(), 1);
-      const auto veils = workspace.veils();
-      ASSERT_EQ(veils.size(), 2u);
-      EXPECT_EQ(veils[0].mesh, 0u);
-      EXPECT_NEAR(veils[0].end, 0.25f, 1e-5);
-      EXPECT_NEAR(veils[0].dist_end, 6, 1e-4);
-      EXPECT_EQ(veils[1].mesh, 2u);
-      EXPECT_EQ(veils[1].duration(), 1);
+      const auto blended = workspace.blended();
+      ASSERT_EQ(blended.size(), 2u);
+      EXPECT_EQ(blended[0].mesh, 0u);
+      EXPECT_NEAR(blended[0].end, 0.25f, 1e-5);
+      EXPECT_NEAR(blended[0].dist_end, 6, 1e-4);
+      EXPECT_EQ(blended[1].mesh, 2u);
+      EXPECT_EQ(blended[1].duration(), 1);
       EXPECT_EQ(tracer.trace(ray, Visibility::all, workspace).size(), 3u);
-      EXPECT_TRUE(workspace.veils().empty());
+      EXPECT_TRUE(workspace.blended().empty());
     }
 }
 
-TEST(Veils, OpaqueWhereAlphaIsOne) {
-  EXPECT_FALSE(Shader(point_shot({veil(kRed, 1)}, {pane(0, -4, 0)}), ShadingKind::flat, false).cut_outs());
-  Shot shot = point_shot({veil(kRed, 1), lambert(kBlue)}, {pane(0, -4, 0), wall(-8, 1)});
+TEST(Blended, OpaqueWhereAlphaIsOne) {
+  EXPECT_FALSE(Shader(point_shot({blended(kRed, 1)}, {pane(0, -4, 0)}), ShadingKind::flat, false).cut_outs());
+  Shot shot = point_shot({blended(kRed, 1), lambert(kBlue)}, {pane(0, -4, 0), wall(-8, 1)});
   shot.textures = {{std::make_shared<const Texture>(Pixels{1, 1, {255, 255, 255, 51}, {}}, Texture::Encoding::srgb),
                     nullptr, nullptr},
                    {}};
   expect_everywhere(shot, {0.2f, 0, 0.8f}, 1);
 }
 
-TEST(Veils, AlphaAlongThePathOfTheHitPoint) {
+TEST(Blended, AlphaAlongThePathOfTheHitPoint) {
   // Alpha grows as the square along u, which the pane's motion takes across the pixel in the middle half of the time.
   constexpr int kSize = 256;
   Pixels pixels{kSize, 1, {}, {}};
@@ -179,16 +181,16 @@ TEST(Veils, AlphaAlongThePathOfTheHitPoint) {
     pixels.values.insert(pixels.values.end(), {1, 1, 1, alpha});
     mean += static_cast<double>(alpha) / kSize;
   }
-  Shot shot = point_shot({veil(kRed, 0.5f), lambert(kBlue)}, {moving(pane(-2, -4, 0), {4, 0, 0}), wall(-8, 1)});
+  Shot shot = point_shot({blended(kRed, 0.5f), lambert(kBlue)}, {moving(pane(-2, -4, 0), {4, 0, 0}), wall(-8, 1)});
   shot.textures = {{std::make_shared<const Texture>(std::move(pixels), Texture::Encoding::srgb), nullptr, nullptr}, {}};
   const auto red = static_cast<float>(0.25 * mean);
   expect_colour(picture(shot, IntegratorKind::tc, 64), {red, 0, 1 - red}, 5e-4f);
   expect_colour(picture(shot, IntegratorKind::qmc, 1 << 14), {red, 0, 1 - red}, 0.01f);
 }
 
-TEST(Veils, ShadowsAndReflectionsLetThroughAsMuch) {
+TEST(Blended, ShadowsAndReflectionsLetThroughAsMuch) {
   Shot shot;
-  shot.materials = {veil({1, 1, 1}, 0.25f), lambert({1, 1, 1}), mirror({1, 1, 1}), lamp({0, 1, 0})};
+  shot.materials = {blended({1, 1, 1}, 0.25f), lambert({1, 1, 1}), mirror({1, 1, 1}), lamp({0, 1, 0})};
   shot.lights = {DirectionalLight{{0, 0, -1}, {3, 3, 3}}};
   shot.meshes = {moving(pane(0, -4, 0), {0.5f, 0, 0}), wall(-8, 1)};
   const Shader shadow(shot, ShadingKind::whitted, false);
@@ -215,7 +217,7 @@ TEST(Veils, ShadowsAndReflectionsLetThroughAsMuch) {
   EXPECT_NEAR(mean(reflection, 1, skewed).y, 0.75, 0.03) << "less what the black pane reflects at its surface";
 }
 
-TEST(Veils, LampsShineAsMuchAsTheyAreThere) {
+TEST(Blended, LampsShineAsMuchAsTheyAreThere) {
   Shot shot;
   shot.materials = {lamp({4, 4, 4}), lambert({1, 1, 1})};
   shot.meshes = {pane(0, -4, 0), wall(-8, 1)};
@@ -238,7 +240,7 @@ Shot crowd() {
   std::mt19937 random(20);
   const auto number = [&](float low, float high) { return std::uniform_real_distribution<float>(low, high)(random); };
   Shot shot;
-  shot.materials = {veil({1, 0.3f, 0.1f}, 0.6f), veil({0.1f, 1, 0.2f}, 0.3f), lambert({0.2f, 0.3f, 1})};
+  shot.materials = {blended({1, 0.3f, 0.1f}, 0.6f), blended({0.1f, 1, 0.2f}, 0.3f), lambert({0.2f, 0.3f, 1})};
   shot.background = {0.1f, 0.1f, 0.1f};
   for (uint32_t i = 0; i < 24; ++i) {
     Mesh mesh = pane(number(-2, 2), number(-9, -4), i % 3);
@@ -253,7 +255,7 @@ Shot crowd() {
   return shot;
 }
 
-TEST(Veils, AllIntegratorsAgree) {
+TEST(Blended, AllIntegratorsAgree) {
   const Shot shot = crowd();
   for (const ShadingKind shading : {ShadingKind::flat, ShadingKind::normal}) {
     const Image reference = picture(shot, IntegratorKind::qmc, 2048, shading);
@@ -273,7 +275,7 @@ TEST(Veils, AllIntegratorsAgree) {
   }
 }
 
-TEST(Veils, TheSameForAnyNumberOfThreads) {
+TEST(Blended, TheSameForAnyNumberOfThreads) {
   const Shot shot = crowd();
   for (const IntegratorKind kind : {IntegratorKind::tc, IntegratorKind::qmc, IntegratorKind::automatic})
     EXPECT_EQ(picture(shot, kind, 16, ShadingKind::whitted, 1).find("R")->values,
@@ -287,14 +289,14 @@ Segment random_segment(std::mt19937& random, uint32_t mesh) {
   return {begin, std::max(end, begin + 1e-3f), 1 + unit(random), 1 + unit(random), mesh, mesh, true};
 }
 
-TEST(Veils, CutToWhatNothingHides) {
+TEST(Blended, CutToWhatNothingHides) {
   std::mt19937 random(21);
   for (int round = 0; round < 200; ++round) {
-    std::vector<Segment> veils, opaque, out;
-    for (uint32_t i = 0; i < 6; ++i) veils.push_back(random_segment(random, i));
+    std::vector<Segment> blended, opaque, out;
+    for (uint32_t i = 0; i < 6; ++i) blended.push_back(random_segment(random, i));
     for (uint32_t i = 6; i < 10; ++i) opaque.push_back(random_segment(random, i));
-    VeilScratch scratch;
-    clip_veils(veils, opaque, scratch, out);
+    BlendedScratch scratch;
+    clip_blended(blended, opaque, scratch, out);
     for (int i = 0; i < 101; ++i) {
       const float time = (static_cast<float>(i) + 0.37f) / 101;
       float nearest = INFINITY, margin = INFINITY;
@@ -302,7 +304,7 @@ TEST(Veils, CutToWhatNothingHides) {
       for (const Segment& hit : opaque)
         if (is_at(hit)) nearest = std::min(nearest, distance_at(hit, time));
       std::vector<uint32_t> expected, found;
-      for (const Segment& v : veils) {
+      for (const Segment& v : blended) {
         if (!is_at(v)) continue;
         margin = std::min(margin, std::abs(distance_at(v, time) - nearest));
         if (distance_at(v, time) < nearest) expected.push_back(v.mesh);
@@ -316,15 +318,15 @@ TEST(Veils, CutToWhatNothingHides) {
   }
 }
 
-TEST(Veils, LayersAreInOrderAtEveryInstant) {
+TEST(Blended, LayersAreInOrderAtEveryInstant) {
   std::mt19937 random(22);
   Layers layers;
   for (int round = 0; round < 200; ++round) {
-    std::vector<Segment> veils;
-    for (uint32_t i = 0; i < 6; ++i) veils.push_back(random_segment(random, i));
-    std::sort(veils.begin(), veils.end(), [](const auto& a, const auto& b) { return a.begin < b.begin; });
+    std::vector<Segment> blended;
+    for (uint32_t i = 0; i < 6; ++i) blended.push_back(random_segment(random, i));
+    std::sort(blended.begin(), blended.end(), [](const auto& a, const auto& b) { return a.begin < b.begin; });
     const std::vector<Segment> seen{{0.2f, 0.5f, 5, 5, 10, 0, true}, {0.5f, 0.7f, 5, 5, 11, 0, true}};
-    layers.build(seen, veils, round % 2 == 0);
+    layers.build(seen, blended, round % 2 == 0);
     double sum = 0;
     for (const Segment& s : layers.stretches()) sum += static_cast<double>(s.end) - static_cast<double>(s.begin);
     if (round % 2 == 0) {
@@ -333,7 +335,7 @@ TEST(Veils, LayersAreInOrderAtEveryInstant) {
     for (int i = 0; i < 101; ++i) {
       const float time = (static_cast<float>(i) + 0.37f) / 101;
       std::vector<std::pair<float, uint32_t>> expected;
-      for (const Segment& v : veils)
+      for (const Segment& v : blended)
         if (v.begin <= time && time < v.end) expected.emplace_back(distance_at(v, time), v.mesh);
       std::sort(expected.begin(), expected.end());
       uint32_t back = kNoMesh;
@@ -347,7 +349,7 @@ TEST(Veils, LayersAreInOrderAtEveryInstant) {
         EXPECT_EQ(stretch.mesh, back);
         ASSERT_EQ(layers.before(k).size(), expected.size());
         for (size_t v = 0; v < expected.size(); ++v)
-          EXPECT_EQ(veils[layers.before(k)[v]].mesh, expected[v].second) << "round " << round << ", time " << time;
+          EXPECT_EQ(blended[layers.before(k)[v]].mesh, expected[v].second) << "round " << round << ", time " << time;
       }
       EXPECT_EQ(is_found, round % 2 == 0 || back != kNoMesh || !expected.empty());
     }
