@@ -13,9 +13,11 @@ fake_command() {
   chmod +x "$fake/$1"
 }
 
-for tool in bash basename sed env dirname; do ln -s "$(command -v "$tool")" "$fake/$tool"; done
+for tool in bash basename sed env dirname grep; do ln -s "$(command -v "$tool")" "$fake/$tool"; done
 fake_command dpkg-query <<<'case " $MISSING " in *" $4 "*) exit 1 ;; esac; printf installed'
 fake_command apt-get <<<'echo "apt-get $*" >>"$CALLS"'
+
+fake_command sleep <<<'echo sleep >>"$CALLS"'
 
 # expect NAME OUTPUT STATUS CALLS MISSING: runs install_packages with only the fake commands in reach.
 expect() {
@@ -34,11 +36,21 @@ expect() {
 fake_command id <<<'echo 0'
 expect "nothing missing" "all there" 0 "" ""
 expect "root" "installing cmake libgtest-dev" 0 \
-  $'apt-get update*\napt-get install*cmake libgtest-dev' "libgtest-dev cmake"
+  $'apt-get * update\napt-get * install*cmake libgtest-dev' "libgtest-dev cmake"
+# Another package manager holds the lock of the lists, once.
+fake_command apt-get <<'END'
+echo "apt-get $*" >>"$CALLS"
+[ "$(grep -c ' update' "$CALLS")" != 1 ] && exit
+echo "E: Could not get lock /var/lib/apt/lists/lock. It is held by process 7 (apt-get)" >&2
+exit 100
+END
+expect "a lock" "waiting for another package manager" 0 \
+  $'apt-get * update\nsleep\napt-get * update\napt-get * install*cmake' "cmake"
+fake_command apt-get <<<'echo "apt-get $*" >>"$CALLS"'
 fake_command id <<<'echo 1000'
 expect "neither root nor sudo" "neither root nor sudo" 1 "" "cmake"
 fake_command sudo <<<'echo sudo >>"$CALLS"; exec "$@"'
-expect "sudo" "installing cmake" 0 $'sudo\napt-get update*\nsudo\napt-get install*cmake' "cmake"
+expect "sudo" "installing cmake" 0 $'sudo\napt-get * update\nsudo\napt-get * install*cmake' "cmake"
 fake_command apt-get <<<'exit 100'
 expect "apt-get fails" "'apt-get update' failed" 1 $'sudo' "cmake"
 rm "$fake/dpkg-query"
