@@ -1,5 +1,7 @@
 #include "base/file.h"
 
+#include <array>
+#include <cstddef>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -16,22 +18,21 @@ std::vector<uint8_t> read_file(const std::string& path, uint64_t limit) {
   if (fs::is_directory(path, ec)) throw Error(ErrorCode::io, path, "is a folder; give a file");
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
   if (!file) throw Error(ErrorCode::io, path, "cannot be opened for reading; check the name and the permissions");
-  std::vector<uint8_t> bytes;
-  if (const uint64_t size = fs::file_size(path, ec); !ec) {
+  const auto check_limit = [&](uint64_t size) {
     if (size > limit)
       throw Error(ErrorCode::bad_input, path, "is larger than the limit of " + std::to_string(limit) + " bytes");
-    bytes.reserve(size);
-  }
-  // Read until the end rather than trust the size: the file may be a pipe, or grow.
-  constexpr size_t kChunk = 1 << 20;
-  for (;;) {
-    const size_t old = bytes.size();
-    bytes.resize(old + kChunk);
-    const size_t got = std::fread(bytes.data() + old, 1, kChunk, file.get());
-    bytes.resize(old + got);
-    if (bytes.size() > limit)
-      throw Error(ErrorCode::bad_input, path, "is larger than the limit of " + std::to_string(limit) + " bytes");
-    if (got < kChunk) break;
+  };
+  // A file is read in one piece of memory of its size, not more: scenes are as large as machines bear.
+  uint64_t size = fs::file_size(path, ec);
+  if (ec) size = 0;
+  check_limit(size);
+  std::vector<uint8_t> bytes(size);
+  bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file.get()));
+  // It may be a pipe, or have grown.
+  std::array<uint8_t, 1 << 16> rest;
+  while (const size_t got = std::fread(rest.data(), 1, rest.size(), file.get())) {
+    check_limit(bytes.size() + got);
+    bytes.insert(bytes.end(), rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(got));
   }
   if (std::ferror(file.get())) throw Error(ErrorCode::io, path, "cannot be read to its end");
   return bytes;

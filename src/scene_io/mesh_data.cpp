@@ -1,7 +1,8 @@
 #include "scene_io/mesh_data.h"
 
+#include <algorithm>
 #include <cmath>
-#include <unordered_map>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -43,15 +44,6 @@ void check_same_faces(const std::vector<PolygonMesh>& keys) {
   }
 }
 
-uint64_t mix(uint64_t x) {  // spreads keys over a hash table that a file should not be able to clog
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
-  return x ^ (x >> 31);
-}
-struct MixHash {
-  size_t operator()(uint64_t x) const { return mix(x); }
-};
-
 /// Vertices of a mesh while they are split: each is one position, and one value of every attribute seen so far.
 struct Vertices {
   std::vector<uint32_t> corner;    ///< [corner] its vertex; beyond the vertices where the index is bad
@@ -62,21 +54,31 @@ struct Vertices {
     constexpr uint32_t kUnused = kBadIndex;
     const size_t before = position.size();
     std::vector<uint32_t> first(before, kUnused);
-    std::unordered_map<uint64_t, uint32_t, MixHash> others;
+    // Sorted, not hashed: no choice of indices makes that slow.
+    struct Corner {
+      uint64_t key;  // vertex and value
+      uint32_t index;
+    };
+    std::vector<Corner> others;
     for (size_t c = 0; c < corner.size(); ++c) {
       const uint32_t vertex = corner[c], value = attribute[c];
       if (vertex >= before || value == kBadIndex || first[vertex] == value) continue;
-      if (first[vertex] == kUnused) {
+      if (first[vertex] == kUnused)
         first[vertex] = value;
-        continue;
-      }
-      const auto [found, is_new] =
-          others.try_emplace(uint64_t{vertex} << 32 | value, static_cast<uint32_t>(position.size()));
-      if (is_new) {
-        if (position.size() >= kMaxIndices) throw Error(ErrorCode::bad_input, path, "has more than 2^32 vertices");
-        position.push_back(position[vertex]);
-      }
-      corner[c] = found->second;
+      else
+        others.push_back({uint64_t{vertex} << 32 | value, static_cast<uint32_t>(c)});
+    }
+    std::sort(others.begin(), others.end(),
+              [](const Corner& a, const Corner& b) { return std::pair(a.key, a.index) < std::pair(b.key, b.index); });
+    std::vector<size_t> runs;  // where the corners of each new vertex begin, in order of use
+    for (size_t i = 0; i < others.size(); ++i)
+      if (i == 0 || others[i].key != others[i - 1].key) runs.push_back(i);
+    std::sort(runs.begin(), runs.end(), [&](size_t a, size_t b) { return others[a].index < others[b].index; });
+    for (const size_t run : runs) {
+      if (position.size() >= kMaxIndices) throw Error(ErrorCode::bad_input, path, "has more than 2^32 vertices");
+      const auto vertex = static_cast<uint32_t>(position.size());
+      position.push_back(position[others[run].key >> 32]);
+      for (size_t i = run; i < others.size() && others[i].key == others[run].key; ++i) corner[others[i].index] = vertex;
     }
   }
 
