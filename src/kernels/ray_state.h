@@ -184,12 +184,12 @@ struct RayState {
         end = std::min(end, reached);
     }
     if (!(begin < end)) return false;
-    const auto distance = [&](float time) {
-      return std::min(hit.dist_begin + slope * (time - hit.begin), limits.max_dist);
-    };
+    const auto distance = [&](float time) { return hit.dist_begin + slope * (time - hit.begin); };
     const float dist_begin = begin > hit.begin ? distance(begin) : hit.dist_begin;
     if (end < hit.end) hit.dist_end = distance(end);
-    hit.dist_begin = dist_begin;
+    // Both ends, also one that was not moved: `reached` may round to it.
+    hit.dist_end = std::min(hit.dist_end, limits.max_dist);
+    hit.dist_begin = std::min(dist_begin, limits.max_dist);
     hit.begin = begin;
     hit.end = end;
     return true;
