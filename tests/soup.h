@@ -1,21 +1,13 @@
 // Random moving triangles in front of the origin, and what a ray sees of them by brute force.
 #pragma once
 
-#include <cstdio>
-#include <cstdlib>
 #include <random>
 
 #include <kairos/tracer.h>
 
-namespace kairos::test {
+#include "seed.h"
 
-/// From the environment (KAIROS_SEED), to replay a failure, or fixed; printed.
-inline uint32_t seed() {
-  const char* text = std::getenv("KAIROS_SEED");
-  const uint32_t value = text != nullptr ? static_cast<uint32_t>(std::strtoul(text, nullptr, 10)) : 20170601u;
-  std::printf("KAIROS_SEED=%u\n", value);
-  return value;
-}
+namespace kairos::test {
 
 enum class Motion { translation, deform, violent, slow, still, sliver, turn, through_origin };
 inline constexpr Motion kAllMotions[] = {Motion::translation, Motion::deform, Motion::violent, Motion::slow,

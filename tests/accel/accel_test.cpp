@@ -88,7 +88,7 @@ TEST(Accel, EveryTriangleIsInItsTreesOnceAndInsideItsBoxes) {
 }
 
 TEST(Accel, TrianglesThatNoKeyMovesStandStillWhateverTheRestOfTheirMeshDoes) {
-  std::mt19937 random(5);
+  std::mt19937 random(test::seed());
   Mesh mesh = test::random_soup(random, test::Motion::still, 100);
   mesh.positions[1][0].x += 1;  // moves triangle 0 alone
   const Accel accel = build_accel(std::vector{mesh});
@@ -187,7 +187,7 @@ TEST(Accel, ThingsInOnePlaceThatMoveDifferentlyArePartedFirst) {
   Mesh mesh;
   mesh.key_times = {0, 1};
   mesh.positions.resize(2);
-  std::mt19937 random(1);
+  std::mt19937 random(test::seed());
   std::uniform_real_distribution<float> uniform(0, 1);
   for (uint32_t i = 0; i < 64; ++i) {
     const Vec3f move = i % 2 == 0 ? Vec3f{100, 0, 0} : Vec3f{-100, 0, 0};

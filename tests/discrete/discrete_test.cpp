@@ -180,8 +180,7 @@ TEST(Discrete, MoreKeysThanEmbreeTakes) {
 }
 
 TEST(Discrete, MeshesWithDifferentKeysDoNotHideEachOther) {
-  constexpr unsigned kSeed = 20262;
-  std::mt19937 random(kSeed);
+  std::mt19937 random(test::seed());
   std::uniform_real_distribution<float> uniform(-1, 1);
   const auto vector = [&](float size) {
     const float x = uniform(random), y = uniform(random), z = uniform(random);
@@ -361,8 +360,7 @@ TEST(Discrete, UniformRuns) {
 }
 
 TEST(Discrete, PacketsAgreeWithSingleRays) {
-  constexpr unsigned kSeed = 20261;
-  std::mt19937 random(kSeed);
+  std::mt19937 random(test::seed());
   std::uniform_real_distribution<float> uniform(-1, 1);
   Mesh soup;
   soup.name = "soup";

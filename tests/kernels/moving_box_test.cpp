@@ -1,8 +1,6 @@
 // The node test against exact answers: never narrower, and hardly wider.
 #include "kernels/moving_box_test.h"
 
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <random>
 
@@ -10,7 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/dispatch.h"
-#include "soup.h"
+#include "oracle.h"
+#include "seed.h"
 #include "temp_folder.h"
 
 namespace kairos {
@@ -129,35 +128,16 @@ std::vector<BoxCase> read_cases(const std::string& path) {
   return cases;
 }
 
-class MovingBoxOracle : public testing::Test {
- protected:
-  void SetUp() override {
-    const char* folder = std::getenv("KAIROS_ORACLE");
-    oracle_ = folder != nullptr ? folder : std::string(KAIROS_SOURCE_DIR) + "/../shared/oracle";
-    if (!std::filesystem::exists(oracle_ + "/make_boxes.py"))
-      GTEST_SKIP() << "no exact answers at " << oracle_ << "; set KAIROS_ORACLE";
-  }
-  /// The exact answers that came with the oracle, and some that nobody has seen.
-  std::vector<BoxCase> cases() const {
-    std::vector<BoxCase> all = read_cases(oracle_ + "/boxes.jsonl");
-    const uint32_t seed = std::getenv("KAIROS_SEED") != nullptr ? test::seed() : std::random_device()();
-    std::printf("KAIROS_SEED=%u\n", seed);
-    const TempFolder folder;
-    const std::string fresh = folder.path("boxes.jsonl");
-    const std::string command =
-        "python3 '" + oracle_ + "/make_boxes.py' '" + fresh + "' " + std::to_string(seed) + " 2000";
-    EXPECT_EQ(std::system(command.c_str()), 0);
-    const auto more = read_cases(fresh);
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
-  }
-  std::string oracle_;
-};
+std::vector<BoxCase> exact_cases() {
+  const TempFolder folder;
+  test::ask_oracle("moving_boxes.py", folder.path("boxes.jsonl"), test::seed(), "4000");
+  return read_cases(folder.path("boxes.jsonl"));
+}
 
-TEST_F(MovingBoxOracle, VectorTestsAreNeverNarrowerThanTheTruth) { check(cases(), "oracle"); }
+TEST(MovingBoxOracle, VectorTestsAreNeverNarrowerThanTheTruth) { check(exact_cases(), "oracle"); }
 
-TEST_F(MovingBoxOracle, TheReferenceIsExact) {
-  for (const BoxCase& c : cases()) {
+TEST(MovingBoxOracle, TheReferenceIsExact) {
+  for (const BoxCase& c : exact_cases()) {
     const auto got = reference(c);
     if (c.ill) continue;
     ASSERT_EQ(got.has_value(), c.time.has_value());

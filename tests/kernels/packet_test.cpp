@@ -189,7 +189,7 @@ TEST_P(Packets, StandStillBehindWhatIsKnownToHideThem) {
 }
 
 TEST_P(Packets, AreTracedOneByOneWhereTheyShareNothing) {
-  std::mt19937 random(5);
+  std::mt19937 random(test::seed());
   const Tracer tracer(std::vector{random_soup(random, test::Motion::deform, 200)}, {Precision::fast, GetParam()});
   std::vector<Ray> apart;  // origins differ
   for (int i = 0; i < 8; ++i) apart.push_back(test::random_ray(random));
@@ -229,7 +229,7 @@ INSTANTIATE_TEST_SUITE_P(InstructionSets, Packets,
                          [](const auto& instance) { return std::string(to_string(instance.param)); });
 
 TEST(Packets, ShareMostOfTheirWork) {
-  std::mt19937 random(9);
+  std::mt19937 random(test::seed());
   for (const Mesh& mesh : {random_soup(random, test::Motion::translation, 2000), still_soup(random, 2000)}) {
     const Tracer tracer(std::vector{mesh}, {Precision::fast, {}});
     if (tracer.instruction_set() == InstructionSet::scalar) GTEST_SKIP() << "no vector instructions here";

@@ -127,7 +127,7 @@ TEST_P(TracerOnSoup, KeysOnTheWayChangeNothing) {
 }
 
 TEST_P(TracerOnSoup, BatchesGiveWhatSingleRaysGive) {
-  std::mt19937 random(7);
+  std::mt19937 random(test::seed());
   const std::vector<Mesh> meshes{random_soup(random, test::Motion::translation, 100),
                                  random_soup(random, test::Motion::still, 100)};
   const Tracer tracer(meshes, {Precision::fast, GetParam()});
@@ -150,7 +150,7 @@ TEST_P(TracerOnSoup, BatchesGiveWhatSingleRaysGive) {
 }
 
 TEST_P(TracerOnSoup, RaysThatAreNoneMeetNothing) {
-  std::mt19937 random(3);
+  std::mt19937 random(test::seed());
   const Tracer tracer(std::vector{random_soup(random, test::Motion::deform, 100)}, {Precision::exact, GetParam()});
   const float nan = std::nanf(""), inf = INFINITY;
   for (const Ray& ray : {Ray{{0, 0, 0}, {0, 0, 0}}, Ray{{nan, 0, 0}, {0, 0, -1}}, Ray{{0, 0, 0}, {0, inf, -1}}})

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "scene/view.h"
+#include "seed.h"
 #include "synthetic_scene.h"
 
 namespace kairos {
@@ -28,8 +29,7 @@ SceneMesh make_rotor(double turn) {
 /// screen.
 double measure(const Shot& shot, const std::function<Vec3d(size_t, double)>& camera_path,
                const std::function<Vec3d(Vec3d, double)>& to_camera) {
-  constexpr unsigned kSeed = 4711;
-  std::mt19937 random(kSeed);
+  std::mt19937 random(test::seed());
   std::uniform_real_distribution<double> uniform(0, 1);
   double worst = 0;
   const Mesh& mesh = shot.meshes[0];

@@ -89,7 +89,7 @@ TEST(RayPrices, OfACalibrationAreItsRatios) {
 
 /// Triangles that deform in front of others that stand still.
 Shot small_shot(bool moves) {
-  std::mt19937 random(7);
+  std::mt19937 random(test::seed());
   Shot shot;
   shot.meshes = {test::random_soup(random, test::Motion::deform, 6), test::random_soup(random, test::Motion::still, 6)};
   shot.meshes[1].positions.resize(1);

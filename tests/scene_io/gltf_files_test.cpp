@@ -1,5 +1,4 @@
 // Real and malformed glTF files: all load, or are refused with one line.
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -9,17 +8,13 @@
 
 #include <kairos/error.h>
 
+#include "data_folders.h"
 #include "scene_io/gltf/gltf.h"
 
 namespace kairos {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path scenes_folder() {
-  const char* set = std::getenv("KAIROS_SCENES");
-  return set ? fs::path(set) : fs::path(KAIROS_SOURCE_DIR) / "../shared/scenes";
-}
 
 std::vector<fs::path> gltf_files(const fs::path& folder) {
   std::vector<fs::path> files;
@@ -103,27 +98,6 @@ TEST(GltfFiles, MalformedFilesAreRefusedInOneLine) {
   for (const char* name : {"RecursiveNodes.gltf", "sceneWrongType.gltf", "badArray.gltf", "badUint.gltf"})
     EXPECT_TRUE(tally.refused.count(name)) << name;
   for (const auto& [name, message] : tally.refused) fmt::print("refused: {}\n", message);
-}
-
-TEST(GltfFiles, ASkinnedFigureIsEvaluatedInMilliseconds) {
-  const fs::path file = scenes_folder() / "mannequiny/mannequiny.glb";
-  if (!fs::exists(file)) GTEST_SKIP() << "no " << file;
-  const Scene scene = load_gltf(file.string(), {.animation = "run_root.001", .gltf_scene = "", .strict = false});
-  size_t vertices = 0;
-  double seconds = 1e9;
-  for (int repeat = 0; repeat < 5; ++repeat) {
-    vertices = 0;
-    const auto begin = std::chrono::steady_clock::now();
-    for (const SceneMesh& mesh : scene.meshes) {
-      std::vector<Vec3d> out(mesh.motion->vertex_count());
-      mesh.motion->positions(0.3, Side::after, out);
-      vertices += out.size();
-    }
-    seconds = std::min(seconds, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-  }
-  fmt::print("{} vertices in {:.2f} ms\n", vertices, 1e3 * seconds);
-  EXPECT_GT(vertices, 5000u);
-  EXPECT_LT(seconds / static_cast<double>(vertices), 1e-6) << "more than 100 ms for 100 000 vertices";
 }
 
 }  // namespace

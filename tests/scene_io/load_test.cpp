@@ -5,8 +5,8 @@
 
 #include <kairos/scene.h>
 
-#include "data_folders.h"
 #include "error_matchers.h"
+#include "oracle.h"
 #include "scene/scene.h"
 #include "temp_folder.h"
 
@@ -98,24 +98,25 @@ TEST(LoadScene, NamesWhatItCannotRead) {
 }
 
 TEST(LoadScene, OracleScenesLoad) {
-  const std::filesystem::path oracle = oracle_folder();
-  if (!std::filesystem::exists(oracle)) GTEST_SKIP() << "no folder " << oracle << "; set KAIROS_ORACLE";
+  const TempFolder folder;
+  const uint32_t seed = test::seed();
+  test::ask_oracle("moving_triangles.py", folder.path("triangles"), seed, "--triangles 3 --rays 1");
+  test::ask_oracle("moving_rectangles.py", folder.path("rectangles"), seed, "--size 2x2 --rectangles 3");
   int count = 0;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(oracle)) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path(""))) {
     if (entry.path().filename() != "scene.json") continue;
     SCOPED_TRACE(entry.path());
     const auto scene = load_scene({entry.path().string()});
     EXPECT_FALSE(scene->meshes.empty());
     EXPECT_TRUE(scene->warnings.empty()) << scene->warnings[0];
-    // The last rectangle of a coverage scene is a wall behind the others.
-    const bool all_static = entry.path().parent_path().filename() == "static";
+    // The last rectangle is a wall behind the others.
     for (const SceneMesh& mesh : scene->meshes) {
       EXPECT_FALSE(mesh.triangles.empty());
-      EXPECT_EQ(mesh.motion->is_static(0, 1), all_static || mesh.name == "rect4") << mesh.name;
+      EXPECT_EQ(mesh.motion->is_static(0, 1), mesh.name == "still" || mesh.name == "rectangle3") << mesh.name;
     }
     ++count;
   }
-  EXPECT_GE(count, 1) << oracle;
+  EXPECT_EQ(count, 9);
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 Usage: scenes.py PROJECT_ROOT KAIROS FOLDER NAME...
 
-Scenes made of third parties' files are left out where $KAIROS_SCENES (default: ../shared/scenes) has none.
+Scenes made of third parties' files are left out where $KAIROS_SCENES has none.
 """
 
 import json
@@ -13,7 +13,7 @@ import subprocess
 import sys
 
 root, kairos, out, names = pathlib.Path(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3]), sys.argv[4:]
-third_parties = pathlib.Path(os.environ.get("KAIROS_SCENES", root / "../shared/scenes")).resolve()
+third_parties = pathlib.Path(os.environ.get("KAIROS_SCENES", "no scenes")).resolve()
 NEEDS = {"hall": ["mannequiny"], "fan": ["vintage-fan"], "kitchen": ["bitterli-kitchen"],
          "big": ["bitterli-kitchen", "dutch-ship"]}
 # PSNR of 64 time-continuous rays against 256 discrete samples: what noise leaves, and no more.

@@ -11,6 +11,7 @@
 
 #include "image/texture.h"
 #include "pixel/record_builder.h"
+#include "seed.h"
 #include "shading/layers.h"
 #include "shading/shader.h"
 #include "whitted_scene.h"
@@ -237,7 +238,7 @@ TEST(Blended, LampsShineAsMuchAsTheyAreThere) {
 
 /// Panes that move and turn in front of each other and of what is opaque.
 Shot crowd() {
-  std::mt19937 random(20);
+  std::mt19937 random(test::seed());
   const auto number = [&](float low, float high) { return std::uniform_real_distribution<float>(low, high)(random); };
   Shot shot;
   shot.materials = {blended({1, 0.3f, 0.1f}, 0.6f), blended({0.1f, 1, 0.2f}, 0.3f), lambert({0.2f, 0.3f, 1})};
@@ -290,7 +291,7 @@ Segment random_segment(std::mt19937& random, uint32_t mesh) {
 }
 
 TEST(Blended, CutToWhatNothingHides) {
-  std::mt19937 random(21);
+  std::mt19937 random(test::seed());
   for (int round = 0; round < 200; ++round) {
     std::vector<Segment> blended, opaque, out;
     for (uint32_t i = 0; i < 6; ++i) blended.push_back(random_segment(random, i));
@@ -319,7 +320,7 @@ TEST(Blended, CutToWhatNothingHides) {
 }
 
 TEST(Blended, LayersAreInOrderAtEveryInstant) {
-  std::mt19937 random(22);
+  std::mt19937 random(test::seed());
   Layers layers;
   for (int round = 0; round < 200; ++round) {
     std::vector<Segment> blended;

@@ -10,6 +10,7 @@
 
 #include "image/texture.h"
 #include "math/transform.h"
+#include "seed.h"
 #include "shading/shader.h"
 #include "whitted_scene.h"
 
@@ -27,7 +28,7 @@ void set(Pixels& pixels, int x, int y, Vec3f colour) {
   for (int c = 0; c < 3; ++c) pixels.values[static_cast<size_t>((y * pixels.width + x) * 4 + c)] = colour[c];
 }
 Pixels random_picture(int width, int height) {
-  std::mt19937 random(5);
+  std::mt19937 random(test::seed());
   Pixels pixels = even_picture(width, height, {});
   for (float& v : pixels.values) v = std::pow(std::uniform_real_distribution<float>(0, 1)(random), 8.0f);
   return pixels;
@@ -89,7 +90,7 @@ TEST(Sky, DirectionsAreAsLikelyAsTheirDensitySays) {
     const bool round = mapping == Mapping::latitude_longitude;
     const Shot shot = lit_by(random_picture(round ? 16 : 8, 8), {"", {1, 2, 3}, mapping, skewed_axes()});
     const Sky sky(shot);
-    std::mt19937 random(6);
+    std::mt19937 random(test::seed());
     std::uniform_real_distribution<float> unit(0, 0.99999f);
     constexpr int kCount = 1 << 17;
     double total = 0, back = 0;
@@ -121,7 +122,7 @@ TEST(Sky, LargePicturesAreCountedInCells) {
   set(pixels, kX, kY, {1e6f, 1e6f, 1e6f});
   const Sky sky(lit_by(std::move(pixels)));
   const double texel = (std::cos(kY * M_PI / kHeight) - std::cos((kY + 1) * M_PI / kHeight)) * 2 * M_PI / kWidth;
-  std::mt19937 random(8);
+  std::mt19937 random(test::seed());
   std::uniform_real_distribution<float> unit(0, 0.99999f);
   double bright = 0;
   constexpr int kCount = 1 << 15;
@@ -140,7 +141,7 @@ TEST(Sky, PicturesAreMixedByTheirPower) {
   shot.lights.push_back(EnvironmentLight{});
   shot.light_textures.push_back(std::make_shared<const Texture>(std::move(spot), Texture::Encoding::linear));
   const Sky sky(shot);
-  std::mt19937 random(7);
+  std::mt19937 random(test::seed());
   std::uniform_real_distribution<float> unit(0, 0.99999f);
   double sum = 0, bright = 0;
   constexpr int kCount = 1 << 15;

@@ -10,6 +10,7 @@
 #include <kairos/scene.h>
 #include <kairos/tracer.h>
 
+#include "data_folders.h"
 #include "discrete/discrete_scene.h"
 #include "soup.h"
 #include "synthetic_scene.h"
@@ -153,7 +154,7 @@ void expect_agreement(const Shot& shot) {
 
 TEST(Agreement, SyntheticScene) {
   // A floor that stands still, a turning rotor, a waving sheet, something that jumps, and a camera that turns.
-  std::mt19937 random(1);
+  std::mt19937 random(test::seed());
   std::uniform_real_distribution<double> uniform(-1, 1);
   std::vector<Vec3d> blades;
   for (int i = 0; i < 300; ++i) blades.push_back({uniform(random), uniform(random), 0.2 * uniform(random)});
@@ -194,7 +195,7 @@ TEST(Agreement, SyntheticScene) {
   expect_agreement(shot);
 }
 
-/// Third-party scenes, found through KAIROS_SCENES (default: ../shared/scenes beside the project).
+/// Third-party scenes.
 struct Animated {
   const char* name;
   const char* file;
@@ -211,11 +212,8 @@ constexpr Animated kAnimated[] = {
 class AgreementOnScenes : public ::testing::TestWithParam<Animated> {};
 
 TEST_P(AgreementOnScenes, SeesWhatEmbreeSees) {
-  const char* folder = std::getenv("KAIROS_SCENES");
-  const auto path =
-      (folder ? std::filesystem::path(folder) : std::filesystem::path(KAIROS_SOURCE_DIR) / "../shared/scenes") /
-      GetParam().file;
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no third-party scene " << path;
+  const auto path = scenes_folder() / GetParam().file;
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no third-party scene " << path << "; set KAIROS_SCENES";
   ShotOptions options;
   options.frame = GetParam().frame;
   options.shutter = {0, 1};

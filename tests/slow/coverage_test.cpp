@@ -2,17 +2,15 @@
 // pixel and the shutter. Pixel filter, camera, orientation and shutter window all have to be right.
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <kairos/render.h>
 
-#include "data_folders.h"
+#include "oracle.h"
+#include "temp_folder.h"
 
 namespace kairos {
 namespace {
@@ -77,34 +75,27 @@ class Exact {
   int width_ = 0, height_ = 0;
 };
 
-class Coverage : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!fs::exists(oracle_)) GTEST_SKIP() << "no exact answers at " << oracle_ << "; set KAIROS_ORACLE";
-  }
-  const fs::path oracle_ = oracle_folder();
-};
+TEST(Coverage, ErrorsShrinkWithRays) {
+  const TempFolder folder;
+  const uint32_t seed = test::seed();
+  const std::string whole = folder.path("whole"), window = folder.path("window");
+  test::ask_oracle("moving_rectangles.py", whole, seed);
+  Exact(whole).check();
+  test::ask_oracle("moving_rectangles.py", window, seed, "--window 0.25,0.75");
+  Exact(window).check();
+}
 
-TEST_F(Coverage, WholeMotion) { Exact(oracle_ / "coverage" / "global").check(); }
-
-TEST_F(Coverage, ShutterWindow) { Exact(oracle_ / "coverage" / "window").check(); }
-
-TEST_F(Coverage, FreshScenes) {
-  const char* const given = std::getenv("KAIROS_SEED");
-  const auto first =
-      given != nullptr ? std::strtoul(given, nullptr, 10) : static_cast<unsigned long>(std::time(nullptr));
-  for (unsigned long seed = first; seed < first + 3; ++seed) {
-    std::printf("KAIROS_SEED=%lu\n", seed);
-    std::string name = (fs::temp_directory_path() / "kairos_coverage_XXXXXX").string();
-    const fs::path folder = mkdtemp(name.data());
-    const char* const window = seed % 2 == 0 ? "0,1" : "0.125,0.5";
-    const std::string command = "python3 '" + (oracle_ / "make_coverage.py").string() + "' '" + folder.string() + "' " +
-                                std::to_string(seed) + " --size 25x17 --window " + window + " > /dev/null";
-    ASSERT_EQ(std::system(command.c_str()), 0) << command;
-    const Exact exact(folder);
-    EXPECT_LT(exact.rmse(IntegratorKind::tc, 256), 0.004) << "seed " << seed;
-    EXPECT_LT(exact.rmse(IntegratorKind::qmc, 1024), 0.004) << "seed " << seed;
-    fs::remove_all(folder);
+TEST(Coverage, SmallScenes) {
+  const TempFolder folder;
+  const uint32_t first = test::seed();
+  for (uint32_t seed = first; seed < first + 3; ++seed) {
+    SCOPED_TRACE(seed);
+    const std::string scene = folder.path(std::to_string(seed));
+    test::ask_oracle("moving_rectangles.py", scene, seed,
+                     std::string("--size 25x17 --window ") + (seed % 2 == 0 ? "0,1" : "0.125,0.5"));
+    const Exact exact(scene);
+    EXPECT_LT(exact.rmse(IntegratorKind::tc, 256), 0.004);
+    EXPECT_LT(exact.rmse(IntegratorKind::qmc, 1024), 0.004);
   }
 }
 

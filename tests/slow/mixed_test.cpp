@@ -227,7 +227,7 @@ double mean_square_difference(const Image& a, const Image& b, const char* channe
 
 /// Still and moving triangles that hide each other, in front of a background.
 Shot busy_shot() {
-  std::mt19937 random(4);
+  std::mt19937 random(test::seed());
   return shot_of({still_soup(random, 12), test::random_soup(random, test::Motion::deform, 8), still_soup(random, 12)});
 }
 
@@ -257,7 +257,7 @@ TEST(Mixed, CheapStillRaysTakeTheNoiseOfWhatStandsStill) {
 }
 
 TEST(Mixed, IsQmcWhereNothingMoves) {
-  std::mt19937 random(9);
+  std::mt19937 random(test::seed());
   const Shot shot = shot_of({still_soup(random, 30)});
   const auto channels_of = [&](IntegratorKind kind, SamplerKind sampler, int spp) {
     RenderParams params = params_of(kind, 4, spp, 3);
@@ -278,7 +278,7 @@ TEST(Mixed, IsQmcWhereNothingMoves) {
 }
 
 TEST(Mixed, AutomaticTakesMoreSamplesWhereTheyDiffer) {
-  std::mt19937 random(9);
+  std::mt19937 random(test::seed());
   const Shot shot = shot_of({still_soup(random, 6)});
   const Image reference = render(shot, params_of(IntegratorKind::qmc, 1, 16384, 1));
   double before = INFINITY;

@@ -1,28 +1,23 @@
-// The tracer against exact answers: programs that compute in rational arithmetic what rays meet and see, and when.
-// They are found through KAIROS_ORACLE (default: ../shared/oracle beside the project) and are no part of it.
+// The tracer against exact answers: what rays meet and see, and when, in rational arithmetic.
+#include "oracle.h"
+
 #include <algorithm>
-#include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include <kairos/tracer.h>
+
+#include "temp_folder.h"
 
 namespace kairos {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-fs::path oracle_folder() {
-  const char* folder = std::getenv("KAIROS_ORACLE");
-  return folder ? fs::path(folder) : fs::path(KAIROS_SOURCE_DIR) / "../shared/oracle";
-}
 
 /// The `v` and `f` lines of an OBJ file whose faces are triangles.
 void read_key(const fs::path& path, Mesh& mesh) {
@@ -150,30 +145,14 @@ void check_folder(const fs::path& folder) {
   EXPECT_GT(checked, rays / 2);
 }
 
-TEST(Oracle, GivenAnswers) {
-  if (!fs::exists(oracle_folder() / "soup")) GTEST_SKIP() << "no exact answers in " << oracle_folder();
-  check_folder(oracle_folder() / "soup");
-}
-
-/// KAIROS_SEED replays a failure.
-TEST(Oracle, AnswersFromFreshSeeds) {
-  if (!fs::exists(oracle_folder() / "make_soup.py")) GTEST_SKIP() << "no program for answers in " << oracle_folder();
-  const char* given = std::getenv("KAIROS_SEED");
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const unsigned long first =
-      given
-          ? std::strtoul(given, nullptr, 10)
-          : static_cast<unsigned long>(std::chrono::duration_cast<std::chrono::milliseconds>(now).count() % 1000000000);
-  const fs::path folder = fs::temp_directory_path() / ("kairos_oracle_" + std::to_string(getpid()));
-  const int seeds = given ? 1 : 3;
-  for (unsigned long seed = first; seed < first + static_cast<unsigned long>(seeds); ++seed) {
-    std::printf("KAIROS_SEED=%lu\n", seed);
-    SCOPED_TRACE("KAIROS_SEED=" + std::to_string(seed));
-    const std::string command = "python3 '" + (oracle_folder() / "make_soup.py").string() + "' '" + folder.string() +
-                                "' " + std::to_string(seed) + " --triangles 30 --rays 30 > /dev/null";
-    ASSERT_EQ(std::system(command.c_str()), 0) << command;
-    check_folder(folder);
-    fs::remove_all(folder);
+TEST(Oracle, HitsAndWhatIsVisible) {
+  const TempFolder folder;
+  const uint32_t first = test::seed();
+  for (uint32_t seed = first; seed < first + 3; ++seed) {
+    SCOPED_TRACE(seed);
+    const std::string answers = folder.path(std::to_string(seed));
+    test::ask_oracle("moving_triangles.py", answers, seed, "--triangles 30 --rays 30");
+    check_folder(answers);
   }
 }
 
