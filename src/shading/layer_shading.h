@@ -2,11 +2,14 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <span>
 #include <vector>
 
+#include "math/hash.h"
 #include "pixel/record_builder.h"
 #include "shading/layers.h"
+#include "shading/roulette.h"
 #include "shading/shader.h"
 #include "shading/spread.h"
 
@@ -22,7 +25,10 @@ class LayerShading {
   /// surfaces".
   uint64_t shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> blended,
                  ShadingOptions options, double share, float phase, SampleKey& key, RecordBuilder& out) {
-    layers_.build(segments, blended, shader_.has_sky());
+    opacities_.clear();
+    for (const Segment& hit : blended)
+      opacities_.push_back(shader_.opacity(ray, hit.mesh, hit.triangle, 0.5f * (hit.begin + hit.end)));
+    layers_.build(segments, blended, shader_.has_sky(), opacities_);
     blended_ = blended;
     const std::span<const Segment> stretches = layers_.stretches();
     const auto index_of = [&](const Segment& stretch) { return static_cast<size_t>(&stretch - stretches.data()); };
@@ -47,7 +53,8 @@ class LayerShading {
  private:
   /// A layer at the instant of a sample.
   struct Seen {
-    size_t depth;  // counted from the front, with those of which nothing is seen
+    size_t depth;            // counted from the front, with those of which nothing is seen
+    const Segment* farther;  // null, or one that has no depth because it is not among the nearest
     uint32_t knot;
     float opacity;
   };
@@ -70,25 +77,43 @@ class LayerShading {
   /// Fills seen_.
   void look(const Ray& ray, const ShadingSample& sample, SampleKey& key, RecordBuilder& out) {
     seen_.clear();
-    const auto add = [&](size_t depth, float opacity) {
-      const Segment& surface = layer(sample.segment, depth);
+    const auto add = [&](const Segment& surface, size_t depth, const Segment* farther, float opacity) {
       const Shade shade = shader_.shade(ray, surface.mesh, surface.triangle, sample.time, key);
       ++key.index;
-      seen_.push_back({depth, out.add_knot(sample.time, shade.colour, shade.normal, shade.albedo), opacity});
+      seen_.push_back({depth, farther, out.add_knot(sample.time, shade.colour, shade.normal, shade.albedo), opacity});
     };
     float open = 1;  // the share of the light from behind that comes through so far
-    const size_t count = layers_.before(sample.segment).size();
-    for (size_t depth = 0; depth < count && open > 0; ++depth) {
-      const Segment& surface = layer(sample.segment, depth);
-      const float opacity = shader_.opacity(ray, surface.mesh, surface.triangle, sample.time);
-      if (opacity > 0) add(depth, opacity);
+    const auto add_blended = [&](const Segment& hit, size_t depth, const Segment* farther) {
+      float opacity = shader_.opacity(ray, hit.mesh, hit.triangle, sample.time);
+      if (open * (1 - opacity) < kLeastOpen) opacity = roulette(open, opacity, chance(ray, sample.time, hit));
+      if (opacity > 0) add(hit, depth, farther, opacity);
       open *= 1 - opacity;
+    };
+    const size_t count = layers_.before(sample.segment).size();
+    for (size_t depth = 0; depth < count && open > 0; ++depth)
+      add_blended(layer(sample.segment, depth), depth, nullptr);
+    if (open > 0 && layers_.is_cut(sample.segment)) {
+      layers_.find_farther(sample.segment, sample.time, blended_, farther_);
+      for (size_t i = 0; i < farther_.size() && open > 0; ++i)
+        add_blended(blended_[farther_[i]], 0, &blended_[farther_[i]]);
     }
     if (!(open > 0)) return;
-    if (layer(sample.segment, count).mesh != kNoMesh)
-      add(count, 1);
+    const Segment& back = layer(sample.segment, count);
+    if (back.mesh != kNoMesh)
+      add(back, count, nullptr, 1);
     else if (shader_.has_sky() || seen_.empty())
-      seen_.push_back({count, out.add_knot(sample.time, shader_.sky(ray, sample.time), {}, {}), 1});
+      seen_.push_back({count, nullptr, out.add_knot(sample.time, shader_.sky(ray, sample.time), {}, {}), 1});
+  }
+
+  /// The same whenever asked, and another for each ray, instant and surface.
+  static float chance(const Ray& ray, float time, const Segment& hit) {
+    const auto bits = [](float a, float b) {
+      return static_cast<uint64_t>(std::bit_cast<uint32_t>(a)) << 32 | std::bit_cast<uint32_t>(b);
+    };
+    constexpr uint64_t kRoulette = 0x726f756c65747465;  // "roulette": another number than AlphaCutOuts::solid's
+    const Vec3f &from = ray.origin, &way = ray.direction;
+    return unit_float(hash(bits(from.x, from.y), bits(from.z, time), bits(way.x, way.y), bits(way.z, 0),
+                           static_cast<uint64_t>(hit.mesh) << 32 | hit.triangle, kRoulette));
   }
 
   /// What the sample stands for within a stretch. The stretches of a cluster have the same number of layers.
@@ -97,7 +122,7 @@ class LayerShading {
     const float begin = std::max(within.begin, sample.begin), end = std::min(within.end, sample.end);
     uint32_t number = 0;
     for (const Seen& seen : seen_) {
-      const Segment& surface = layer(stretch, seen.depth);
+      const Segment& surface = seen.farther != nullptr ? *seen.farther : layer(stretch, seen.depth);
       out.add_part({{begin, end, distance_at(surface, begin), distance_at(surface, end), surface.mesh, surface.triangle,
                      surface.front},
                     seen.knot,
@@ -111,6 +136,8 @@ class LayerShading {
   Layers layers_;
   std::span<const Segment> blended_;  // of the ray being shaded
   std::vector<ShadingSample> samples_;
+  std::vector<float> opacities_;  // [blended hit], halfway through
+  std::vector<uint32_t> farther_;
   std::vector<Seen> seen_;
 };
 

@@ -13,7 +13,9 @@
 #include "pixel/record_builder.h"
 #include "seed.h"
 #include "shading/layers.h"
+#include "shading/roulette.h"
 #include "shading/shader.h"
+#include "soup.h"
 #include "whitted_scene.h"
 
 namespace kairos {
@@ -281,6 +283,79 @@ TEST(Blended, TheSameForAnyNumberOfThreads) {
   for (const IntegratorKind kind : {IntegratorKind::tc, IntegratorKind::qmc, IntegratorKind::automatic})
     EXPECT_EQ(picture(shot, kind, 16, ShadingKind::whitted, 1).find("R")->values,
               picture(shot, kind, 16, ShadingKind::whitted, 2).find("R")->values);
+}
+
+/// 12 red panes that each hide half, and behind them green ones, so bright that just as much is seen of them.
+Shot many_panes(int green) {
+  std::vector<Mesh> meshes;
+  for (int i = 0; i < 12; ++i) meshes.push_back(moving(pane(0, -4 - 0.1f * static_cast<float>(i), 0), {0, 0, 0.01f}));
+  for (int i = 0; i < green; ++i)
+    meshes.push_back(moving(pane(0, -6 - 0.1f * static_cast<float>(i), 1), {0, 0, 0.01f}));
+  return point_shot({blended(kRed, 0.5f), blended({0, 4096, 0}, 0.5f)}, meshes);
+}
+
+TEST(Blended, WhatLittleComesThroughManyIsRightInTheMean) {
+  const uint32_t seed = test::seed();
+  const Shot shot = many_panes(38);
+  double sum = 0, squares = 0, red = 0;
+  constexpr int kPictures = 400;
+  RenderParams params;
+  params.integrator = IntegratorKind::tc;
+  params.shading = ShadingKind::flat;
+  params.tc_rays = 4;
+  for (int i = 0; i < kPictures; ++i) {
+    params.seed = seed + static_cast<uint32_t>(i);
+    const Image image = render(shot, params);
+    const double green = image.find("G")->values[0];
+    sum += green;
+    squares += green * green;
+    red += image.find("R")->values[0];
+  }
+  const double mean = sum / kPictures, deviation = std::sqrt((squares / kPictures - mean * mean) / (kPictures - 1));
+  // 4096 of green behind red panes that leave 2^-12; 38 green ones hide nearly all that is behind.
+  EXPECT_LT(std::abs(mean - 1), 4.5 * deviation) << mean << " +- " << deviation;
+  EXPECT_LT(deviation, 0.1);
+  EXPECT_NEAR(red / kPictures, 1 - 0x1p-12, 2e-4);
+}
+
+TEST(Blended, ManyCostAsMuchAsThoseThatCanBeSeen) {
+  // Panes that cross the ray one after the other and each other in depth.
+  std::mt19937 random(test::seed());
+  std::uniform_real_distribution<float> unit(0, 1);
+  std::vector<double> samples;
+  for (const int count : {40, 80, 160}) {
+    std::vector<Mesh> meshes;
+    for (int i = 0; i < count; ++i)
+      meshes.push_back(moving(pane(2 * unit(random) - 1, -4 - 4 * unit(random), 0),
+                              {2 * unit(random) - 1, 0, 4 * unit(random) - 2}));
+    RenderParams params;
+    params.integrator = IntegratorKind::tc;
+    params.shading = ShadingKind::flat;
+    params.tc_rays = 4;
+    RenderStats stats;
+    render(point_shot({blended(kRed, 0.75f)}, meshes), params, &stats);
+    samples.push_back(static_cast<double>(stats.shading_samples));
+  }
+  // Twice as many panes come and go in front, and no more than twice as often something changes there.
+  EXPECT_LT(samples[1], 3 * samples[0]);
+  EXPECT_LT(samples[2], 3 * samples[1]);
+  EXPECT_LT(samples[2], 4 * 160 * 40);
+}
+
+TEST(Roulette, KeepsTheMean) {
+  for (const float open : {kLeastOpen, 1.5f * kLeastOpen, 3 * kLeastOpen})
+    for (const float opacity : {0.0f, 0.1f, 0.5f, 0.9f, 0.99f, 1.0f}) {
+      double after = 0;
+      constexpr int kChances = 1 << 12;
+      for (int i = 0; i < kChances; ++i) {
+        const float used = roulette(open, opacity, (static_cast<float>(i) + 0.5f) / kChances);
+        const float left = open * (1 - used);
+        EXPECT_TRUE(left == 0 || left > 0.999f * kLeastOpen) << open << " " << opacity;
+        after += static_cast<double>(left);
+      }
+      EXPECT_NEAR(after / kChances, open * (1 - opacity), 1e-3 * kLeastOpen);
+    }
+  EXPECT_EQ(roulette(1, 0.5f, 0.3f), 0.5f);
 }
 
 Segment random_segment(std::mt19937& random, uint32_t mesh) {
