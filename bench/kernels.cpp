@@ -18,7 +18,7 @@ constexpr size_t kCount = 256;  // fits the first-level cache
 
 struct Input {
   std::vector<Node<kMovingKeys>> nodes;
-  std::vector<TriangleBlock<kMovingKeys>> blocks;
+  std::vector<std::array<BlockKey, 2>> blocks;  // at both ends of a key span
   Ray ray{{0, 0, 0}, {0.1f, 0.2f, -1}};
 };
 
@@ -41,15 +41,14 @@ Input make_input() {
       }
   }
   for (auto& block : input.blocks) {
-    block.count = kWidth;
     for (size_t slot = 0; slot < kWidth; ++slot)
       for (size_t axis = 0; axis < 3; ++axis) {
         const float on_ray = (axis == 0 ? 0.1f : axis == 1 ? 0.2f : -1.0f) * 5;
         const float center = on_ray + uniform(-0.5f, 0.5f), move = uniform(-0.3f, 0.3f);
         for (size_t vertex = 0; vertex < 3; ++vertex) {
           const float place = center + uniform(-0.3f, 0.3f);
-          block.position[0][vertex][axis][slot] = place;
-          block.position[1][vertex][axis][slot] = place + move;
+          block[0].position[vertex][axis][slot] = place;
+          block[1].position[vertex][axis][slot] = place + move;
         }
       }
   }
@@ -72,7 +71,7 @@ void moving_block(benchmark::State& state, const Kernels* kernels) {
   BlockHits<float> hits;
   for (auto _ : state)
     for (const auto& block : input.blocks) {
-      kernels->test_block(block, input.ray, hits);
+      kernels->test_block(block[0], block[1], input.ray, hits);
       benchmark::DoNotOptimize(hits);
     }
   state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(kCount * kWidth));
@@ -105,7 +104,7 @@ void scalar_triangle(benchmark::State& state) {
         for (size_t key = 0; key < 2; ++key)
           for (size_t vertex = 0; vertex < 3; ++vertex)
             for (size_t axis = 0; axis < 3; ++axis)
-              position[key][vertex][static_cast<int>(axis)] = block.position[key][vertex][axis][slot];
+              position[key][vertex][static_cast<int>(axis)] = block[key].position[vertex][axis][slot];
         benchmark::DoNotOptimize(intersect_moving_triangle(to_frame(frame, position)));
       }
   state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(kCount * kWidth));

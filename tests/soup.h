@@ -1,6 +1,7 @@
 // Random moving triangles in front of the origin, and what a ray sees of them by brute force.
 #pragma once
 
+#include <algorithm>
 #include <random>
 
 #include <kairos/tracer.h>
@@ -49,6 +50,29 @@ inline Mesh random_soup(std::mt19937& random, Motion motion, uint32_t count) {
     mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
   return mesh;
+}
+
+/// The same motion with `count` keys at random times, off it by up to `off` in all of them but the first and last.
+inline Mesh with_random_keys(std::mt19937& random, const Mesh& mesh, uint32_t count, float off = 1) {
+  const auto uniform = [&](float low, float high) { return std::uniform_real_distribution<float>(low, high)(random); };
+  Mesh result = mesh;
+  result.key_times = {0};
+  for (uint32_t key = 1; key + 1 < count; ++key) result.key_times.push_back(uniform(0.01f, 0.99f));
+  result.key_times.push_back(1);
+  std::sort(result.key_times.begin(), result.key_times.end());
+  result.positions.resize(count);
+  for (uint32_t key = 0; key < count; ++key) {
+    const float time = result.key_times[key];
+    result.positions[key].clear();
+    const bool inner = key > 0 && key + 1 < count;
+    for (size_t v = 0; v < mesh.vertex_count(); ++v) {
+      Vec3f p = lerp(mesh.positions.front()[v], mesh.positions.back()[v], time);
+      if (inner)
+        for (int axis = 0; axis < 3; ++axis) p[axis] += uniform(-off, off);
+      result.positions[key].push_back(p);
+    }
+  }
+  return result;
 }
 
 inline Ray random_ray(std::mt19937& random) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "accel/binning.h"
 #include "base/parallel.h"
@@ -19,30 +20,64 @@ constexpr uint32_t kDeepestHeuristicLevel = 24;
 /// A node has no fewer than so many primitives in its leaves, on average: what memory is set aside for.
 constexpr uint32_t kPrimitivesPerNode = 24;
 
+/// How many primitives of a range are looked at to decide whether it is split in time.
+constexpr uint32_t kTimeSplitSample = 64;
+/// Triangles of one leaf have at most so many times as many key spans as any other: what those that have fewer repeat
+/// takes memory.
+constexpr uint32_t kSpansRatio = 2;
+
+/// Two buffers that primitives of the same window of time are moved between.
+struct Store {
+  std::array<LargeArray<Primitive>, 2> owned;
+  std::array<Primitive*, 2> buffer;
+  TimeRange window;
+
+  /// Of given primitives, over the whole shutter.
+  explicit Store(std::span<Primitive> primitives) : buffer{primitives.data(), nullptr} {
+    owned[1].resize(primitives.size());
+    buffer[1] = owned[1].data();
+  }
+  Store(uint32_t count, TimeRange window_of_all) : window(window_of_all) {
+    for (size_t i = 0; i < 2; ++i) {
+      owned[i].resize(count);
+      buffer[i] = owned[i].data();
+    }
+  }
+};
+
 /// Primitives that will be below one node.
 struct Range {
   uint32_t begin, end;
-  uint32_t buffer;  // which of the two they are in
+  uint32_t which;  // of the store's buffers
+  std::shared_ptr<Store> store;
   BoxLanes box;
   Extent extent;
+  std::optional<float> time_split = std::nullopt;  // when it should be split in time
+  bool leaf = false;
 
   uint32_t count() const { return end - begin; }
+  Primitive* primitives() const { return store->buffer[which] + begin; }
 };
 
 class Builder {
  public:
-  Builder(std::span<Primitive> primitives, bool moving, std::span<TriangleId> order)
-      : other_(primitives.size()), buffer_{primitives.data(), other_.data()}, order_(order), moving_(moving) {}
+  Builder(bool moving, const MovingTriangles* several_spans) : moving_(moving), triangles_(several_spans) {}
 
-  WideTree build() {
+  WideTree build(std::span<Primitive> primitives) const {
     WideTree tree;
-    Range all{0, static_cast<uint32_t>(order_.size()), 0, BoxLanes::empty(), Extent::none()};
-    if (all.count() <= kWidth) {
-      write_order(all);
-      return tree;
-    }
+    Range all{0,
+              static_cast<uint32_t>(primitives.size()),
+              0,
+              std::make_shared<Store>(primitives),
+              BoxLanes::empty(),
+              Extent::none()};
+    if (all.count() == 0) return tree;
     measure(all);
-    tree.depth = build_node(all, 0, tree.nodes);
+    plan(all, 0);
+    if (all.leaf)
+      add_to_order(all, tree.order);
+    else
+      tree.depth = build_node(std::move(all), 0, tree);
     return tree;
   }
 
@@ -74,7 +109,7 @@ class Builder {
     pieces.for_each([&](size_t piece) {
       auto& [box, extent] = found[piece];
       for (uint32_t i = pieces.begin(piece); i < pieces.begin(piece + 1); ++i) {
-        const BoxLanes& from = buffer_[range.buffer][i].box;
+        const BoxLanes& from = range.store->buffer[range.which][i].box;
         box.include(from);
         extent.include(SortValues(from));
       }
@@ -88,21 +123,23 @@ class Builder {
   }
 
   /// Splits `range` in two, neither of them empty: itself, which becomes the left one, and `right`.
-  void split(Range& range, Range& right, bool halved) {
+  void split(Range& range, Range& right, bool halved) const {
+    right.store = range.store;
+    if (range.count() <= kWidth) return split_by_spans(range, right);
     const Binning binning(range.extent, moving_);
     if (halved || binning.axes == 0) return halve(range, right);
     const Pieces pieces(range.begin, range.end);
     if (pieces.count == 1) {
       Bins bins;
       bins.clear(binning.axes);
-      bins.add(buffer_[range.buffer] + range.begin, range.count(), binning);
+      bins.add(range.primitives(), range.count(), binning);
       return partition(range, right, pieces, binning, &bins, bins);
     }
     const auto bins = std::make_unique_for_overwrite<Bins[]>(pieces.count);
     pieces.for_each([&](size_t piece) {
       bins[piece].clear(binning.axes);
       const uint32_t begin = pieces.begin(piece);
-      bins[piece].add(buffer_[range.buffer] + begin, pieces.begin(piece + 1) - begin, binning);
+      bins[piece].add(range.store->buffer[range.which] + begin, pieces.begin(piece + 1) - begin, binning);
     });
     partition(range, right, pieces, binning, bins.get(), sum_of(bins.get(), pieces.count, binning.axes));
   }
@@ -115,18 +152,101 @@ class Builder {
   }
 
   /// Where nothing tells the primitives apart, or nothing should.
-  void halve(Range& range, Range& right) const {
-    right.buffer = range.buffer;
+  void halve(Range& range, Range& right) const { cut(range, right, range.count() / 2); }
+
+  void cut(Range& range, Range& right, uint32_t left_count) const {
+    right.which = range.which;
     right.end = range.end;
-    right.begin = range.end = range.begin + range.count() / 2;
+    right.begin = range.end = range.begin + left_count;
     measure(range);
     measure(right);
+  }
+
+  uint32_t spans_of(const Range& range, uint32_t primitive) const {
+    return triangles_->spans(range.primitives()[primitive].id().mesh, range.store->window);
+  }
+
+  /// Parts triangles that have few key spans from those that have many: where the numbers differ most.
+  void split_by_spans(Range& range, Range& right) const {
+    std::stable_sort(range.primitives(), range.primitives() + range.count(),
+                     [&](const Primitive& a, const Primitive& b) {
+                       return triangles_->spans(a.id().mesh, range.store->window) <
+                              triangles_->spans(b.id().mesh, range.store->window);
+                     });
+    uint32_t where = 1;
+    float largest = 0;
+    for (uint32_t i = 1; i < range.count(); ++i) {
+      const float ratio = static_cast<float>(spans_of(range, i)) / static_cast<float>(spans_of(range, i - 1));
+      if (ratio > largest) {
+        largest = ratio;
+        where = i;
+      }
+    }
+    cut(range, right, where);
+  }
+
+  /// Decides what becomes of a range that has been measured.
+  void plan(Range& range, uint32_t level) const {
+    range.leaf = range.count() <= kWidth;
+    range.time_split.reset();
+    if (triangles_ == nullptr) return;
+    if (level <= kDeepestHeuristicLevel) range.time_split = when_to_split(range);
+    if (!range.leaf) return;
+    uint32_t least = spans_of(range, 0), most = least;
+    for (uint32_t i = 1; i < range.count(); ++i) {
+      least = std::min(least, spans_of(range, i));
+      most = std::max(most, spans_of(range, i));
+    }
+    range.leaf = !range.time_split && most <= kSpansRatio * least;
+  }
+
+  /// A common key that parts the range into two whose boxes together cost less than its own; none if there is none.
+  std::optional<float> when_to_split(const Range& range) const {
+    const TimeRange window = range.store->window;
+    const Primitive* primitives = range.primitives();
+    const uint32_t first = primitives[0].id().mesh, count = range.count();
+    const std::optional<float> time = triangles_->middle_key(first, window);
+    if (!time) return std::nullopt;
+    for (uint32_t i = 1; i < count; ++i) {
+      const uint32_t mesh = primitives[i].id().mesh;
+      if (!triangles_->same_keys(first, mesh) && !triangles_->has_key(mesh, *time)) return std::nullopt;
+    }
+    BoxLanes whole = BoxLanes::empty(), before = whole, after = whole;
+    const uint32_t sampled = std::min(count, kTimeSplitSample);
+    for (uint32_t s = 0; s < sampled; ++s) {
+      const Primitive& from = primitives[static_cast<uint64_t>(count) * s / sampled];
+      Primitive part;
+      whole.include(from.box);
+      triangles_->set_primitive(from.id(), {window.begin, *time}, part);
+      before.include(part.box);
+      triangles_->set_primitive(from.id(), {*time, window.end}, part);
+      after.include(part.box);
+    }
+    const bool pays = before.cost() + after.cost() < whole.cost();
+    return pays ? time : std::nullopt;
+  }
+
+  /// Splits `range` at its time into two of all its triangles.
+  void split_in_time(Range& range, Range& right) const {
+    const TimeRange window = range.store->window;
+    right = part_in_time(range, {*range.time_split, window.end});
+    range = part_in_time(range, {window.begin, *range.time_split});
+  }
+
+  Range part_in_time(const Range& range, TimeRange window) const {
+    Range part{0, range.count(), 0, std::make_shared<Store>(range.count(), window), BoxLanes::empty(), Extent::none()};
+    const Primitive* from = range.primitives();
+    parallel_for(range.count(), kParallelGrain, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) triangles_->set_primitive(from[i].id(), window, part.store->buffer[0][i]);
+    });
+    measure(part);
+    return part;
   }
 
   /// Moves the primitives to the other buffer, those of the left side first. They keep their order on each side, so
   /// that it does not matter how the range was cut into pieces.
   void partition(Range& range, Range& right, const Pieces& pieces, const Binning& binning, const Bins* bins,
-                 const Bins& all) {
+                 const Bins& all) const {
     const Split where = all.cheapest(binning.axes, range.count());
     if (where.axis == kAxes) return halve(range, right);
     struct Piece {
@@ -142,19 +262,24 @@ class Builder {
       found[piece].next[0] = found[piece - 1].next[0] + left;
       found[piece].next[1] = found[piece - 1].next[1] + (pieces.begin(piece) - pieces.begin(piece - 1)) - left;
     }
+    const Primitive* from = range.store->buffer[range.which];
+    Primitive* to = range.store->buffer[1 - range.which];
     pieces.for_each([&](size_t p) {
       Piece& piece = found[p];
       piece.extent[0] = piece.extent[1] = Extent::none();
       const uint32_t begin = pieces.begin(p), end = pieces.begin(p + 1);
       if (where.axis < kPlaceAxes)
-        move<0>(buffer_[range.buffer] + begin, end - begin, binning, where, buffer_[1 - range.buffer], piece.next,
-                piece.extent);
+        move<0>(from + begin, end - begin, binning, where, to, piece.next, piece.extent);
       else
-        move<1>(buffer_[range.buffer] + begin, end - begin, binning, where, buffer_[1 - range.buffer], piece.next,
-                piece.extent);
+        move<1>(from + begin, end - begin, binning, where, to, piece.next, piece.extent);
     });
-    right = Range{middle, range.end, 1 - range.buffer, all.union_of(where.axis, where.bin, kBins), Extent::none()};
-    range = Range{range.begin, middle, 1 - range.buffer, all.union_of(where.axis, 0, where.bin), Extent::none()};
+    right.begin = middle;
+    right.end = range.end;
+    range.end = middle;
+    range.which = right.which = 1 - range.which;
+    range.box = all.union_of(where.axis, 0, where.bin);
+    right.box = all.union_of(where.axis, where.bin, kBins);
+    range.extent = right.extent = Extent::none();
     for (size_t piece = 0; piece < pieces.count; ++piece) {
       range.extent.include(found[piece].extent[0]);
       right.extent.include(found[piece].extent[1]);
@@ -176,93 +301,111 @@ class Builder {
     }
   }
 
-  /// Appends the node of `range` (more than kWidth primitives) and all below it to `nodes`; returns the depth.
-  uint32_t build_node(const Range& range, uint32_t level, std::vector<WideNode>& nodes) {
+  /// Appends the node of `range`, which is no leaf, and all below it to `tree`; returns the depth.
+  uint32_t build_node(Range range, uint32_t level, WideTree& tree) const {
+    const bool parallel = range.count() >= kParallelCount;
     std::array<Range, kWidth> child;
     std::array<float, kWidth> cost{};
-    child[0] = range;
+    child[0] = std::move(range);
     uint32_t count = 1;
     while (count < kWidth) {
       // Open the child that is most likely to be met.
       int costliest = -1;
       float highest_cost = -1;
       for (uint32_t c = 0; c < count; ++c)
-        if (child[c].count() > kWidth && !(cost[c] <= highest_cost)) {  // costs that are no number are the highest
+        if (!child[c].leaf && !(cost[c] <= highest_cost)) {  // costs that are no number are the highest
           costliest = static_cast<int>(c);
           highest_cost = cost[c];
         }
       if (costliest < 0) break;
       const size_t opened = static_cast<size_t>(costliest);
-      split(child[opened], child[count], level > kDeepestHeuristicLevel);
-      cost[opened] = child[opened].box.cost();
-      cost[count] = child[count].box.cost();
+      if (child[opened].time_split)
+        split_in_time(child[opened], child[count]);
+      else
+        split(child[opened], child[count], level > kDeepestHeuristicLevel);
+      for (const size_t c : {opened, static_cast<size_t>(count)}) {
+        cost[c] = child[c].box.cost();
+        plan(child[c], level);
+      }
       ++count;
     }
 
-    const bool parallel = range.count() >= kParallelCount;
-    const size_t self = nodes.size();
-    nodes.emplace_back();
-    std::array<std::vector<WideNode>, kWidth> below;
-    std::array<uint32_t, kWidth> depth{};
-    const auto build_child = [&](size_t c, std::vector<WideNode>& out) {
-      if (child[c].count() > kWidth)
-        depth[c] = build_node(child[c], level + 1, out);
+    std::array<TimeRange, kWidth> windows;  // ranges are given away while their children are built
+    for (uint32_t c = 0; c < count; ++c) windows[c] = child[c].store->window;
+
+    const size_t self = tree.nodes.size();
+    tree.nodes.emplace_back();
+    std::array<WideTree, kWidth> below;
+    const auto build_child = [&](size_t c, WideTree& out) {
+      uint32_t depth = 0;
+      if (child[c].leaf)
+        add_to_order(child[c], out.order);
       else
-        write_order(child[c]);
+        depth = build_node(std::move(child[c]), level + 1, out);
+      return depth;
     };
     if (parallel) {
       parallel_for(count, 1, [&](size_t begin, size_t end) {
         for (size_t c = begin; c < end; ++c) {
-          if (child[c].count() < kParallelCount) below[c].reserve(child[c].count() / kPrimitivesPerNode);
-          build_child(c, below[c]);
+          if (child[c].count() < kParallelCount) {
+            below[c].nodes.reserve(child[c].count() / kPrimitivesPerNode);
+            below[c].order.reserve(child[c].count());
+          }
+          below[c].depth = build_child(c, below[c]);
         }
       });
-      size_t sum = 1;
-      for (const auto& subtree : below) sum += subtree.size();
-      nodes.reserve(sum);
+      size_t nodes = tree.nodes.size(), triangles = tree.order.size();
+      for (const WideTree& subtree : below) {
+        nodes += subtree.nodes.size();
+        triangles += subtree.order.size();
+      }
+      tree.nodes.reserve(nodes);
+      tree.order.reserve(triangles);
     }
     uint32_t deepest = 0, leaves = 0;
     for (uint32_t c = 0; c < count; ++c) {
-      const bool leaf = child[c].count() <= kWidth;
-      leaves += leaf ? 1 : 0;
-      nodes[self].child[c].set(child[c].box, child[c].begin, child[c].count(),
-                               leaf ? kNoNode : static_cast<NodeRef>(nodes.size()));
-      if (parallel)
-        append(below[c], nodes);
+      WideChild& to = tree.nodes[self].child[c];
+      const TimeRange window = windows[c];
+      if (child[c].leaf)
+        to.set_leaf(child[c].box, window, static_cast<uint32_t>(tree.order.size()), child[c].count());
       else
-        build_child(c, nodes);
-      deepest = std::max(deepest, depth[c]);
+        to.set_node(child[c].box, window, static_cast<NodeRef>(tree.nodes.size()));
+      leaves += child[c].leaf ? 1 : 0;
+      if (parallel)
+        append(below[c], tree);
+      else
+        below[c].depth = build_child(c, tree);
+      deepest = std::max(deepest, below[c].depth);
     }
-    nodes[self].child_count = count;
-    nodes[self].leaf_count = leaves;
+    tree.nodes[self].child_count = count;
+    tree.nodes[self].leaf_count = leaves;
     return deepest + 1;
   }
 
-  void write_order(const Range& range) const {
-    for (uint32_t i = range.begin; i < range.end; ++i) order_[i] = buffer_[range.buffer][i].id();
+  static void add_to_order(const Range& range, std::vector<TriangleId>& order) {
+    for (uint32_t i = 0; i < range.count(); ++i) order.push_back(range.primitives()[i].id());
   }
 
-  /// Moves a finished subtree behind `nodes`, so that the order is that of a serial build.
-  static void append(std::vector<WideNode>& subtree, std::vector<WideNode>& nodes) {
-    const NodeRef offset = static_cast<NodeRef>(nodes.size());
-    for (WideNode& node : subtree) {
-      for (uint32_t c = 0; c < node.child_count; ++c)
-        if (!node.child[c].is_leaf()) node.child[c].move_node(offset);
-      nodes.push_back(node);
+  /// Moves a finished subtree behind `tree`, so that the order is that of a serial build.
+  static void append(WideTree& subtree, WideTree& tree) {
+    const uint32_t nodes = static_cast<uint32_t>(tree.nodes.size()), order = static_cast<uint32_t>(tree.order.size());
+    for (WideNode& node : subtree.nodes) {
+      for (uint32_t c = 0; c < node.child_count; ++c) node.child[c].move(nodes, order);
+      tree.nodes.push_back(node);
     }
-    std::vector<WideNode>().swap(subtree);
+    tree.order.insert(tree.order.end(), subtree.order.begin(), subtree.order.end());
+    std::vector<WideNode>().swap(subtree.nodes);
+    std::vector<TriangleId>().swap(subtree.order);
   }
 
-  LargeArray<Primitive> other_;
-  std::array<Primitive*, 2> buffer_;
-  std::span<TriangleId> order_;
   bool moving_;
+  const MovingTriangles* triangles_;
 };
 
 }  // namespace
 
-WideTree build_wide_tree(std::span<Primitive> primitives, bool moving, std::span<TriangleId> order) {
-  return Builder(primitives, moving, order).build();
+WideTree build_wide_tree(std::span<Primitive> primitives, bool moving, const MovingTriangles* several_spans) {
+  return Builder(moving, several_spans).build(primitives);
 }
 
 }  // namespace kairos

@@ -1,12 +1,13 @@
 // Memory layout of the accelerator: the one thing that builders and kernels share.
 //
-// Eight-wide trees. A moving node holds its children's boxes at the two ends of one key span, between which their faces
-// move linearly; a leaf is one block of up to eight triangles, vertices at both ends beside each other, so that a
-// kernel reads plain vectors and never the meshes. What stands still has trees and blocks of its own, at half the size.
+// Two eight-wide trees: one of what stands still, one over time of what moves. A moving node holds its children's boxes
+// at the two ends of a window of time, between which their faces move linearly; a leaf is one block of up to eight
+// triangles with their vertices at all keys inside the leaf's window, each key stored once, so that a kernel reads
+// plain vectors and never the meshes. Triangles of one block may have keys at different times.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "base/large_array.h"
 
@@ -23,6 +24,11 @@ inline constexpr NodeRef kNoNode = 0xffffffffu;
 /// Number of motion states stored: one for static geometry, two for a key span.
 inline constexpr int kStaticKeys = 1;
 inline constexpr int kMovingKeys = 2;
+
+template <class T>
+size_t bytes_of(const LargeArray<T>& array) {
+  return array.size() * sizeof(T);
+}
 
 template <int kKeys>
 struct alignas(64) Node {
@@ -41,32 +47,64 @@ struct alignas(32) TriangleBlock {
   uint32_t count;  ///< triangles 0 to count - 1 exist; the other slots repeat triangle 0
 };
 
-template <int kKeys>
-struct Tree {
-  LargeArray<Node<kKeys>> nodes;
-  LargeArray<TriangleBlock<kKeys>> blocks;
+/// What stands still.
+struct StillTree {
+  LargeArray<Node<kStaticKeys>> nodes;
+  LargeArray<TriangleBlock<kStaticKeys>> blocks;
   NodeRef root = kNoNode;
-  uint32_t depth = 0;                  ///< nodes on the longest way from the root to a block
-  float time_begin = 0, time_end = 1;  ///< shutter time of the two keys
+  uint32_t depth = 0;  ///< nodes on the longest way from the root to a block
 
-  size_t memory_bytes() const { return nodes.size() * sizeof(nodes[0]) + blocks.size() * sizeof(blocks[0]); }
+  size_t memory_bytes() const { return bytes_of(nodes) + bytes_of(blocks); }
 };
 
-/// All of a scene: one tree of what stands still, and for each distinct set of key times one tree per key span.
-struct Accel {
-  Tree<kStaticKeys> still;
-  std::vector<Tree<kMovingKeys>> moving;
+/// One number per child of a node or triangle of a block.
+struct alignas(32) Row {
+  float lane[kWidth];
+};
+
+/// When a node's children are there: their boxes are those at these two shutter times.
+struct ChildWindows {
+  Row begin, end;
+};
+
+/// The vertices of a block's triangles at one of their keys.
+struct alignas(32) BlockKey {
+  float position[3][3][kWidth];  ///< [vertex][axis][triangle]
+};
+
+/// Up to eight moving triangles over the window of a leaf.
+struct alignas(16) MovingBlock {
+  uint32_t mesh[kWidth];
+  uint32_t triangle[kWidth];
+  uint16_t count;       ///< triangles 0 to count - 1 exist; the other slots repeat triangle 0
+  bool same_times;      ///< all of the triangles have their keys at the same times
+  uint32_t spans;       ///< key spans, the most that any of the triangles has there; others repeat their last key
+  uint32_t first_key;   ///< index into MovingTree::keys of the first of spans + 1
+  uint32_t first_time;  ///< index into MovingTree::times of the first of spans + 1
+};
+
+/// What moves, over the whole shutter.
+struct MovingTree {
+  LargeArray<Node<kMovingKeys>> nodes;
+  LargeArray<ChildWindows> windows;  ///< [node]; none when all children are there for the whole shutter
+  LargeArray<MovingBlock> blocks;
+  LargeArray<BlockKey> keys;
+  LargeArray<Row> times;  ///< shutter times of keys, per triangle: ascending in each lane. Blocks share equal ones
+  NodeRef root = kNoNode;
+  uint32_t depth = 0;
 
   size_t memory_bytes() const {
-    size_t bytes = still.memory_bytes();
-    for (const auto& tree : moving) bytes += tree.memory_bytes();
-    return bytes;
+    return bytes_of(nodes) + bytes_of(windows) + bytes_of(blocks) + bytes_of(keys) + bytes_of(times);
   }
-  uint32_t depth() const {
-    uint32_t deepest = still.depth;
-    for (const auto& tree : moving) deepest = deepest < tree.depth ? tree.depth : deepest;
-    return deepest;
-  }
+};
+
+/// All of a scene.
+struct Accel {
+  StillTree still;
+  MovingTree moving;
+
+  size_t memory_bytes() const { return still.memory_bytes() + moving.memory_bytes(); }
+  uint32_t depth() const { return still.depth < moving.depth ? moving.depth : still.depth; }
 };
 
 }  // namespace kairos

@@ -60,25 +60,26 @@ HWY_INLINE hn::Vec<D> Side(D, const FramedLanes<D>& a, size_t i, const FramedLan
   return hn::Sub(hn::Mul(a.v[i], b.u[j]), hn::Mul(a.u[i], b.v[j]));
 }
 
-/// `nearest_hidden`: triangles with no vertex nearer than this are of no interest.
+/// The triangles `lanes` of a block between two keys. `nearest_hidden`: triangles with no vertex nearer than this are
+/// of no interest.
 template <class T>
-HWY_INLINE void TestBlock(const TriangleBlock<kMovingKeys>& block, const RayFrame<T>& frame, float nearest_hidden,
-                          BlockHits<T>& hits) {
+HWY_INLINE void TestBlock(const BlockKey& begin, const BlockKey& end, uint32_t lanes, const RayFrame<T>& frame,
+                          float nearest_hidden, BlockHits<T>& hits) {
   using D = hn::CappedTag<T, kWidth>;
   const D d;
   using V = hn::Vec<D>;
   const V zero = hn::Zero(d), half = hn::Set(d, T(0.5));
   hits.hit = hits.front = hits.bent = hits.rare = hits.solved = 0;
   for (size_t lane = 0; lane < kWidth; lane += hn::Lanes(d)) {
-    if (lane >= block.count) break;
-    const FramedLanes<D> key0(d, frame, block.position[0], lane), key1(d, frame, block.position[1], lane);
+    if (lanes >> lane == 0) break;
+    const FramedLanes<D> key0(d, frame, begin.position, lane), key1(d, frame, end.position, lane);
 
     V nearest = hn::Min(key0.dist[0], key1.dist[0]), farthest = hn::Max(key0.dist[0], key1.dist[0]);
     for (size_t i = 1; i < 3; ++i) {
       nearest = hn::Min(nearest, hn::Min(key0.dist[i], key1.dist[i]));
       farthest = hn::Max(farthest, hn::Max(key0.dist[i], key1.dist[i]));
     }
-    auto alive = hn::And(hn::FirstN(d, block.count - lane), hn::Gt(farthest, zero));
+    auto alive = hn::And(LanesOf(d, lanes >> lane), hn::Gt(farthest, zero));
     alive = hn::And(alive, hn::Le(nearest, hn::Set(d, T(nearest_hidden))));
 
     QuadraticLanes<D> e[3];

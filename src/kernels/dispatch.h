@@ -20,7 +20,7 @@ using CollectPacketHits = void (*)(const Accel& accel, const RayPacket& packet, 
 /// Children of a node that a ray meets.
 struct alignas(64) NodeHits {
   float dist[kWidth];                ///< lower bound of the distance
-  float begin[kWidth], end[kWidth];  ///< bounds of the time, in the key span's own; moving nodes only
+  float begin[kWidth], end[kWidth];  ///< bounds of the time; moving nodes only
   uint32_t mask;                     ///< bit per child
 };
 
@@ -40,7 +40,7 @@ struct Kernels {
   CollectHits collect_fast, collect_exact;
   CollectPacketHits collect_packet;  ///< null: rays are to be traced one by one
   void (*test_node)(const Node<kMovingKeys>& node, const Ray& ray, NodeHits& hits);
-  void (*test_block)(const TriangleBlock<kMovingKeys>& block, const Ray& ray, BlockHits<float>& hits);
+  void (*test_block)(const BlockKey& begin, const BlockKey& end, const Ray& ray, BlockHits<float>& hits);
 };
 
 /// Null where this machine cannot run the instruction set. The scalar kernels compute in double, whatever is asked for,

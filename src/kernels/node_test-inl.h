@@ -16,6 +16,8 @@
 #include "accel/layout.h"
 #include "kernels/dispatch.h"
 #include "kernels/packet.h"
+#include "kernels/ray_state.h"
+#include "kernels/time_bins.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kairos {
@@ -100,10 +102,19 @@ HWY_INLINE uint32_t MaskBits(D d, M mask) {
   return bytes[0] | static_cast<uint32_t>(bytes[1]) << 8;
 }
 
+/// Lanes whose bit is set.
+template <class D>
+HWY_INLINE hn::Mask<D> LanesOf(D d, uint32_t bits) {
+  const uint8_t bytes[8] = {static_cast<uint8_t>(bits), static_cast<uint8_t>(bits >> 8)};
+  return hn::LoadMaskBits(d, bytes);
+}
+
 /// The children's time sets within [begin, end] and lower bounds of their distances, both with errors on the safe side:
-/// no child that is met is left out, no interval is narrower than the truth.
+/// no child that is met is left out, no interval is narrower than the truth. `windows`: when the boxes are those of the
+/// node's first and last key; null: when the shutter opens and closes.
 template <class Slabs>
-HWY_INLINE void TestNode(const Node<kMovingKeys>& node, const Slabs& ray, float begin, float end, NodeHits& hits) {
+HWY_INLINE void TestNode(const Node<kMovingKeys>& node, const ChildWindows* windows, const Slabs& ray, float begin,
+                         float end, NodeHits& hits) {
   const hn::CappedTag<float, kWidth> d;
   using V = hn::Vec<decltype(d)>;
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
@@ -160,8 +171,24 @@ HWY_INLINE void TestNode(const Node<kMovingKeys>& node, const Slabs& ray, float 
     if (!hn::AllFalse(d, hn::And(met, hn::Lt(behind, zero))))
       for (size_t k = 0; k < 3; ++k) restrict_to(out0[k], out1[k]);
     const V slack = hn::Set(d, kRootError);
-    from = hn::Max(hn::Sub(from, slack), hn::Set(d, begin));
-    to = hn::Min(hn::Add(to, slack), hn::Set(d, end));
+    from = hn::Sub(from, slack);
+    to = hn::Add(to, slack);
+    if (windows == nullptr) {
+      from = hn::Max(from, hn::Set(d, begin));
+      to = hn::Min(to, hn::Set(d, end));
+      hn::Store(from, d, hits.begin + lane);
+      hn::Store(to, d, hits.end + lane);
+    } else {
+      // [begin, end] in the time of the child's window, and what is left of it in that of the shutter.
+      const V opens = hn::Load(d, windows->begin.lane + lane), closes = hn::Load(d, windows->end.lane + lane);
+      const V length = hn::Sub(closes, opens), snap = hn::Set(d, kTimeSnap);
+      from = hn::Max(from, hn::Sub(hn::Div(hn::Sub(hn::Set(d, begin), opens), length), slack));
+      to = hn::Min(to, hn::Add(hn::Div(hn::Sub(hn::Set(d, end), opens), length), slack));
+      const V shutter_from = hn::Sub(hn::Add(opens, hn::Mul(from, length)), snap);
+      const V shutter_to = hn::Add(hn::Add(opens, hn::Mul(to, length)), snap);
+      hn::Store(hn::Max(hn::Max(shutter_from, opens), hn::Set(d, begin)), d, hits.begin + lane);
+      hn::Store(hn::Min(hn::Min(shutter_to, closes), hn::Set(d, end)), d, hits.end + lane);
+    }
     met = hn::And(met, hn::Le(from, to));
 
     V dist = zero;
@@ -173,8 +200,6 @@ HWY_INLINE void TestNode(const Node<kMovingKeys>& node, const Slabs& ray, float 
       const V error = hn::Mul(hn::Max(hn::Abs(in0[k]), hn::Abs(in1[k])), slab_error);
       dist = hn::Max(dist, hn::Sub(entry, error));
     }
-    hn::Store(from, d, hits.begin + lane);
-    hn::Store(to, d, hits.end + lane);
     hn::Store(dist, d, hits.dist + lane);
     hits.mask |= MaskBits(d, met) << lane;
   }
@@ -203,6 +228,24 @@ HWY_INLINE void TestNode(const Node<kStaticKeys>& node, const Slabs& ray, NodeHi
     hn::Store(in, d, hits.dist + lane);
     hits.mask |= MaskBits(d, met) << lane;
   }
+}
+
+/// A bit for each triangle of a block of which [begin, end] touches a key span: from `times` to those in the next row.
+HWY_INLINE uint32_t LanesInSpan(const MovingBlock& block, const Row* times, float begin, float end) {
+  const uint32_t all = (2u << (block.count - 1)) - 1;
+  // A jump takes no time, nor do keys that are repeated.
+  if (block.same_times) {
+    const float from = times[0].lane[0], to = times[1].lane[0];
+    return from <= end && to >= begin && from < to ? all : 0;
+  }
+  const hn::CappedTag<float, kWidth> d;
+  uint32_t lanes = 0;
+  for (size_t lane = 0; lane < kWidth; lane += hn::Lanes(d)) {
+    const auto from = hn::Load(d, times[0].lane + lane), to = hn::Load(d, times[1].lane + lane);
+    const auto touched = hn::And(hn::Le(from, hn::Set(d, end)), hn::Ge(to, hn::Set(d, begin)));
+    lanes |= MaskBits(d, hn::And(touched, hn::Lt(from, to))) << lane;
+  }
+  return lanes & all;
 }
 
 /// Puts the children that were met on the stack, the nearest on top.

@@ -30,7 +30,7 @@ class PacketCollector {
     std::fill_n(visible_until_, kPacketLanes, std::numeric_limits<float>::infinity());
   }
 
-  void Collect(const Tree<kMovingKeys>& tree) {
+  void Collect(const MovingTree& tree) {
     UpdateBins();
     StackEntry* const bottom = states_[0].stack.data();
     StackEntry* top = bottom;
@@ -40,29 +40,36 @@ class PacketCollector {
     while (top != bottom) {
       StackEntry entry = *--top;
       float visible_until = std::numeric_limits<float>::infinity();
-      if (clips_ && !ClipEntry(bins_, tree, entry, visible_until)) continue;
+      if (clips_ && !ClipEntry(bins_, entry, visible_until)) continue;
       if ((entry.node & kLeafBit) == 0) {
         const auto& node = tree.nodes[entry.node];
         ++counters.nodes;
-        TestNode(node, slabs_, entry.begin, entry.end, node_hits);
+        const ChildWindows* windows = tree.windows.empty() ? nullptr : &tree.windows[entry.node];
+        TestNode(node, windows, slabs_, entry.begin, entry.end, node_hits);
         top = PushChildren(node.child, node_hits, true, top);
         continue;
       }
       const auto& block = tree.blocks[entry.node & ~kLeafBit];
-      counters.triangles += block.count;
-      UpdateLimits(tree, entry);
-      PrepareTriangles(block, packet_, entry.begin, entry.end, visible_until, triangles_);
-      if (packet_.rays_per_register == kPacketLanes)
-        TestCandidates<kPacketLanes>(tree, block);
-      else
-        TestCandidates<kPacketLanes / 4>(tree, block);
+      UpdateLimits(entry);
+      const Row* times = &tree.times[block.first_time];
+      for (uint32_t s = 0; s < block.spans; ++s) {
+        const uint32_t lanes = LanesInSpan(block, times + s, entry.begin, entry.end);
+        if (lanes == 0) continue;
+        const Span span(tree, block, s);
+        counters.triangles += static_cast<uint64_t>(std::popcount(lanes));
+        PrepareTriangles(span, lanes, packet_, entry.begin, entry.end, visible_until, triangles_);
+        if (packet_.rays_per_register == kPacketLanes)
+          TestCandidates<kPacketLanes>(block, span);
+        else
+          TestCandidates<kPacketLanes / 4>(block, span);
+      }
       UpdateBins();
     }
   }
 
  private:
   template <size_t kRays>
-  HWY_INLINE void TestCandidates(const Tree<kMovingKeys>& tree, const TriangleBlock<kMovingKeys>& block) {
+  HWY_INLINE void TestCandidates(const MovingBlock& block, const Span& span) {
     constexpr size_t kStep = kPacketLanes / kRays;  // triangles beside each other
     constexpr uint32_t kGroup = (1u << kStep) - 1;
     for (uint32_t left = triangles_.candidates; left != 0;) {
@@ -70,20 +77,20 @@ class PacketCollector {
       left &= ~(kGroup << first);
       TestPacket<kRays>(triangles_, first, packet_, visible_until_, hits_);
       states_[0].counters.root_solves += 3 * static_cast<uint64_t>(std::popcount(hits_.solved));
-      AddHits<kStep>(tree, block, first);
+      AddHits<kStep>(block, span, first);
     }
   }
 
   /// kStep, first: lane i is triangle first + i % kStep and ray i / kStep.
   template <size_t kStep>
-  HWY_INLINE void AddHits(const Tree<kMovingKeys>& tree, const TriangleBlock<kMovingKeys>& block, size_t first) {
-    PlaceInShutter(tree);
+  HWY_INLINE void AddHits(const MovingBlock& block, const Span& span, size_t first) {
+    PlaceInShutter<kStep>(span, first);
     for (uint32_t mask = hits_.hit | hits_.rare; mask != 0; mask &= mask - 1) {
       const size_t lane = static_cast<size_t>(std::countr_zero(mask));
       const size_t triangle = first + lane % kStep;
       RayState& state = states_[lane / kStep];
       if (((hits_.rare | hits_.bent) >> lane & 1) != 0) {
-        AddSlowly(tree, block, lane, triangle, (hits_.rare >> lane & 1) != 0, state);
+        AddSlowly(block, span, lane, triangle, (hits_.rare >> lane & 1) != 0, state);
         bins_changed_ = true;
         continue;
       }
@@ -102,13 +109,17 @@ class PacketCollector {
   }
 
   /// What of the hits can be computed for all lanes at once: times of the shutter, and the bins they touch and fill.
-  HWY_INLINE void PlaceInShutter(const Tree<kMovingKeys>& tree) {
+  template <size_t kStep>
+  HWY_INLINE void PlaceInShutter(const Span& span, size_t first_triangle) {
     const hn::CappedTag<float, kPacketLanes> d;
     const hn::RebindToSigned<decltype(d)> di;
     using V = hn::Vec<decltype(d)>;
     const V one = hn::Set(d, 1.0f), bins = hn::Set(d, static_cast<float>(TimeBins::kCount));
     const auto last_bin = hn::Set(di, TimeBins::kCount - 1), int_one = hn::Set(di, 1);
-    const V span_begin = hn::Set(d, tree.time_begin), span_end = hn::Set(d, tree.time_end);
+    const auto of_triangles = [&](const Row& row) HWY_ATTR {
+      return kStep == 1 ? hn::Set(d, row.lane[first_triangle]) : hn::LoadDup128(d, row.lane + first_triangle);
+    };
+    const V span_begin = of_triangles(span.begin), span_end = of_triangles(span.end);
     const V length = hn::Sub(span_end, span_begin);
     for (size_t lane = 0; lane < kPacketLanes; lane += hn::Lanes(d)) {
       const auto to_shutter = [&](const float* times) HWY_ATTR {
@@ -128,12 +139,12 @@ class PacketCollector {
           hn::Add(first, hn::IfThenElseZero(hn::RebindMask(di, hn::Gt(from, hn::ConvertTo(d, first))), int_one));
       const auto inner_after =
           hn::Add(last, hn::IfThenElseZero(hn::RebindMask(di, hn::Ge(to, hn::ConvertTo(d, after))), int_one));
-      const auto span = [&](auto low, auto high)
+      const auto bits = [&](auto low, auto high)
                             HWY_ATTR { return hn::Sub(hn::Shl(int_one, high), hn::Shl(int_one, low)); };
       hn::Store(begin, d, placed_.begin + lane);
       hn::Store(end, d, placed_.end + lane);
-      hn::Store(span(first, after), di, placed_.touched + lane);
-      hn::Store(hn::IfThenElseZero(hn::Lt(inner_first, inner_after), span(inner_first, inner_after)), di,
+      hn::Store(bits(first, after), di, placed_.touched + lane);
+      hn::Store(hn::IfThenElseZero(hn::Lt(inner_first, inner_after), bits(inner_first, inner_after)), di,
                 placed_.filled + lane);
     }
   }
@@ -144,14 +155,14 @@ class PacketCollector {
   }
 
   /// As Collector::AddSlowly.
-  HWY_NOINLINE void AddSlowly(const Tree<kMovingKeys>& tree, const TriangleBlock<kMovingKeys>& block, size_t lane,
-                              size_t triangle, bool rare, RayState& state) {
+  HWY_NOINLINE void AddSlowly(const MovingBlock& block, const Span& span, size_t lane, size_t triangle, bool rare,
+                              RayState& state) {
     std::array<Quadratic<float>, 3> edges;
     FramedTriangle<float> framed{};
     UnpackTriangle(triangles_, triangle, packet_, lane, edges, framed);
     const auto add = [&](const HitInterval<float>& hit) {
-      add_in_pieces(state, framed, edges, hit, block.mesh[triangle], block.triangle[triangle], tree.time_begin,
-                    tree.time_end);
+      add_in_pieces(state, framed, edges, hit, block.mesh[triangle], block.triangle[triangle],
+                    span.begin.lane[triangle], span.end.lane[triangle]);
     };
     if (!rare) return add(HitAt(lane));
     const HitIntervals<float> found = intersect_moving_triangle(framed, edges);
@@ -167,10 +178,9 @@ class PacketCollector {
   }
 
   /// How far each lane's ray sees while it is in a leaf.
-  HWY_INLINE void UpdateLimits(const Tree<kMovingKeys>& tree, const StackEntry& entry) {
+  HWY_INLINE void UpdateLimits(const StackEntry& entry) {
     if (!clips_) return;
-    const float begin = to_shutter_time(entry.begin, tree.time_begin, tree.time_end) - kTimeSnap;
-    const float end = to_shutter_time(entry.end, tree.time_begin, tree.time_end) + kTimeSnap;
+    const float begin = entry.begin - kTimeSnap, end = entry.end + kTimeSnap;
     const TimeBins::Mask touched = TimeBins::touched(std::max(begin, 0.0f), std::min(end, 1.0f));
     const size_t step = kPacketLanes / packet_.rays_per_register;
     for (size_t i = 0; i < states_.size(); ++i)

@@ -38,10 +38,11 @@ struct alignas(64) PacketTriangles {
   uint32_t behind = 0;        ///< those with a vertex behind the origin
 };
 
-/// `nearest_hidden`: triangles with no vertex nearer than this (in units of the rays' length) are of no interest, nor
-/// are those that no ray meets in [begin, end].
-HWY_INLINE void PrepareTriangles(const TriangleBlock<kMovingKeys>& block, const RayPacket& packet, float begin,
-                                 float end, float nearest_hidden, PacketTriangles& out) {
+/// The triangles `lanes` of a block in a key span. `nearest_hidden`: triangles with no vertex nearer than this (in
+/// units of the rays' length) are of no interest, nor are those that no ray meets in [begin, end], which is shutter
+/// time.
+HWY_INLINE void PrepareTriangles(const Span& span, uint32_t lanes, const RayPacket& packet, float begin, float end,
+                                 float nearest_hidden, PacketTriangles& out) {
   const hn::CappedTag<float, kWidth> d;
   using V = hn::Vec<decltype(d)>;
   const V zero = hn::Zero(d), half = hn::Set(d, 0.5f);
@@ -51,20 +52,28 @@ HWY_INLINE void PrepareTriangles(const TriangleBlock<kMovingKeys>& block, const 
   const V wide_u = hn::Set(d, packet.widest_u), wide_v = hn::Set(d, packet.widest_v);
   const V error = hn::Set(d, kTermError);
   const V most_depth = hn::Set(d, nearest_hidden / packet.least_dist_per_depth);
-  // Weights of the Bernstein coefficients on [0, 1] in those on [begin, end].
-  const float rest_begin = 1 - begin, rest_end = 1 - end;
-  const V part[3][3] = {
-      {hn::Set(d, rest_begin * rest_begin), hn::Set(d, 2 * begin * rest_begin), hn::Set(d, begin * begin)},
-      {hn::Set(d, rest_begin * rest_end), hn::Set(d, begin * rest_end + end * rest_begin), hn::Set(d, begin * end)},
-      {hn::Set(d, rest_end * rest_end), hn::Set(d, 2 * end * rest_end), hn::Set(d, end * end)}};
+  const V one = hn::Set(d, 1.0f), two = hn::Set(d, 2.0f);
   out.candidates = out.behind = 0;
   for (size_t lane = 0; lane < kWidth; lane += hn::Lanes(d)) {
-    if (lane >= block.count) break;
+    if (lanes >> lane == 0) break;
+    // [begin, end] in the time of the key spans, and the weights of the Bernstein coefficients on [0, 1] in those
+    // there.
+    const V opens = hn::Load(d, span.begin.lane + lane), length = hn::Sub(hn::Load(d, span.end.lane + lane), opens);
+    const auto in_span = [&](float time) HWY_ATTR {
+      return hn::Max(hn::Min(hn::Div(hn::Sub(hn::Set(d, time), opens), length), one), zero);
+    };
+    const V first = in_span(begin), last = in_span(end);
+    const V rest_first = hn::Sub(one, first), rest_last = hn::Sub(one, last);
+    const V part[3][3] = {
+        {hn::Mul(rest_first, rest_first), hn::Mul(hn::Mul(two, first), rest_first), hn::Mul(first, first)},
+        {hn::Mul(rest_first, rest_last), hn::Add(hn::Mul(first, rest_last), hn::Mul(last, rest_first)),
+         hn::Mul(first, last)},
+        {hn::Mul(rest_last, rest_last), hn::Mul(hn::Mul(two, last), rest_last), hn::Mul(last, last)}};
     V u[2][3], v[2][3], depth[2][3];
     V nearest{}, farthest{};
     for (size_t key = 0; key < 2; ++key)
       for (size_t i = 0; i < 3; ++i) {
-        const auto& position = block.position[key][i];
+        const auto& position = (key == 0 ? span.key0 : span.key1).position[i];
         const V w = hn::Sub(hn::Load(d, position[packet.kw] + lane), ow);
         u[key][i] = hn::Sub(hn::Sub(hn::Load(d, position[packet.ku] + lane), ou), hn::Mul(su, w));
         v[key][i] = hn::Sub(hn::Sub(hn::Load(d, position[packet.kv] + lane), ov), hn::Mul(sv, w));
@@ -74,7 +83,7 @@ HWY_INLINE void PrepareTriangles(const TriangleBlock<kMovingKeys>& block, const 
         farthest = key == 0 && i == 0 ? depth[0][0] : hn::Max(farthest, depth[key][i]);
       }
     hn::Store(nearest, d, out.nearest + lane);
-    auto alive = hn::And(hn::FirstN(d, block.count - lane), hn::Gt(farthest, zero));
+    auto alive = hn::And(LanesOf(d, lanes >> lane), hn::Gt(farthest, zero));
     alive = hn::And(alive, hn::Le(nearest, most_depth));
 
     auto front = alive, back = alive;

@@ -1,6 +1,7 @@
 // What one thread keeps while it traces a ray, reused from ray to ray.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -15,7 +16,7 @@
 
 namespace kairos {
 
-/// A subtree still to be visited: from which distance on, and when (time of its key span, 0 to 1).
+/// A subtree still to be visited: from which distance on, and when, in shutter time.
 struct StackEntry {
   NodeRef node;
   float dist;
@@ -33,6 +34,29 @@ inline constexpr int kDeepestCut = sizeof(Real) == 8 ? 10 : 5;
 /// Hits shorter than this part of the shutter are not cut: pieces around kTimeSnap would be lost one by one when what
 /// is visible is resolved, and with them the whole of a hit on a triangle seen nearly edge-on.
 inline constexpr float kShortestCut = 8 * kTimeSnap;
+
+/// A key span of a block's triangles.
+struct Span {
+  const BlockKey &key0, &key1;
+  const Row &begin, &end;  ///< shutter time
+
+  Span(const MovingTree& tree, const MovingBlock& block, uint32_t span)
+      : key0(tree.keys[block.first_key + span]),
+        key1(tree.keys[block.first_key + span + 1]),
+        begin(tree.times[block.first_time + span]),
+        end(tree.times[block.first_time + span + 1]) {}
+
+  /// [key][vertex]
+  std::array<std::array<Vec3f, 3>, 2> triangle(size_t lane) const {
+    std::array<std::array<Vec3f, 3>, 2> position;
+    for (size_t vertex = 0; vertex < 3; ++vertex)
+      for (size_t axis = 0; axis < 3; ++axis) {
+        position[0][vertex][static_cast<int>(axis)] = key0.position[vertex][axis][lane];
+        position[1][vertex][static_cast<int>(axis)] = key1.position[vertex][axis][lane];
+      }
+    return position;
+  }
+};
 
 /// What a ray is asked for: what hits are kept for, and what they hide.
 enum class RayMode {

@@ -150,7 +150,7 @@ class StillPacketCollector {
     UpdateFarthest();
   }
 
-  void Collect(const Tree<kStaticKeys>& tree) {
+  void Collect(const StillTree& tree) {
     StackEntry* const bottom = states_[0].stack.data();
     StackEntry* top = bottom;
     *top++ = {tree.root, 0, 0, 1};

@@ -30,13 +30,6 @@ HWY_INLINE TimeBins::Mask Reaching(const TimeBins& bins, float dist) {
   return mask;
 }
 
-/// Lanes whose bit is set.
-template <class D>
-HWY_INLINE hn::Mask<D> LanesOf(D d, uint32_t bits) {
-  const uint8_t bytes[8] = {static_cast<uint8_t>(bits), static_cast<uint8_t>(bits >> 8)};
-  return hn::LoadMaskBits(d, bytes);
-}
-
 /// TimeBins::visible_until.
 HWY_INLINE float VisibleUntil(const TimeBins& bins, TimeBins::Mask mask) {
   const BinsTag d;
@@ -80,25 +73,9 @@ HWY_INLINE void AddHit(RayState& state, const Segment& hit) {
 
 /// Takes from a stack entry's time what is hidden; false when nothing remains. visible_until: the farthest that what is
 /// in the entry, if it is a leaf, can be and still be seen.
-HWY_INLINE bool ClipEntry(const TimeBins& bins, const Tree<kMovingKeys>& tree, StackEntry& entry,
-                          float& visible_until) {
-  // Bins are in shutter time. Rounding may only widen the interval.
-  const bool whole_shutter = tree.time_begin == 0 && tree.time_end == 1;
-  float begin = entry.begin, end = entry.end;
-  if (!whole_shutter) {
-    begin = std::max(tree.time_begin, to_shutter_time(begin, tree.time_begin, tree.time_end) - kTimeSnap);
-    end = std::min(tree.time_end, to_shutter_time(end, tree.time_begin, tree.time_end) + kTimeSnap);
-  }
-  if (!TimeBins::clip(Reaching(bins, entry.dist), begin, end)) return false;
-  if (whole_shutter) {
-    entry.begin = begin;
-    entry.end = end;
-  } else {
-    const float inv_span = 1 / (tree.time_end - tree.time_begin);
-    entry.begin = std::max(entry.begin, (begin - tree.time_begin) * inv_span - kTimeSnap);
-    entry.end = std::min(entry.end, (end - tree.time_begin) * inv_span + kTimeSnap);
-  }
-  if ((entry.node & kLeafBit) != 0) visible_until = VisibleUntil(bins, TimeBins::touched(begin, end));
+HWY_INLINE bool ClipEntry(const TimeBins& bins, StackEntry& entry, float& visible_until) {
+  if (!TimeBins::clip(Reaching(bins, entry.dist), entry.begin, entry.end)) return false;
+  if ((entry.node & kLeafBit) != 0) visible_until = VisibleUntil(bins, TimeBins::touched(entry.begin, entry.end));
   return true;
 }
 

@@ -31,15 +31,12 @@ class Collector {
 
   void Run() {
     if (accel_.still.root != kNoNode) CollectStill(accel_.still);
-    for (const auto& tree : accel_.moving) {
-      if (state_.is_complete()) return;
-      CollectMoving(tree);
-    }
+    if (accel_.moving.root != kNoNode && !state_.is_complete()) CollectMoving(accel_.moving);
   }
 
  private:
   /// The nearest hit, which hides what is behind it at all times; or all of them, where nothing is to be culled.
-  HWY_INLINE void CollectStill(const Tree<kStaticKeys>& tree) {
+  HWY_INLINE void CollectStill(const StillTree& tree) {
     Segment nearest;
     nearest.dist_begin =
         state_.clips() ? state_.bins.visible_until(TimeBins::touched(0, 1)) : std::numeric_limits<float>::infinity();
@@ -81,41 +78,51 @@ class Collector {
     if (found) state_.add(nearest);
   }
 
-  HWY_INLINE void CollectMoving(const Tree<kMovingKeys>& tree) {
+  HWY_INLINE void CollectMoving(const MovingTree& tree) {
     StackEntry* top = state_.stack.data();
     *top++ = {tree.root, 0, 0, 1};
     NodeHits node_hits;
-    BlockHits<T> block_hits;
     while (top != state_.stack.data()) {
       StackEntry entry = *--top;
       float visible_until = std::numeric_limits<float>::infinity();
-      if (state_.clips() && !ClipEntry(state_.bins, tree, entry, visible_until)) continue;
+      if (state_.clips() && !ClipEntry(state_.bins, entry, visible_until)) continue;
       if ((entry.node & kLeafBit) == 0) {
         const auto& node = tree.nodes[entry.node];
         ++state_.counters.nodes;
-        TestNode(node, slabs_, entry.begin, entry.end, node_hits);
+        const ChildWindows* windows = tree.windows.empty() ? nullptr : &tree.windows[entry.node];
+        TestNode(node, windows, slabs_, entry.begin, entry.end, node_hits);
         top = PushChildren(node.child, node_hits, true, top);
         continue;
       }
-      const auto& block = tree.blocks[entry.node & ~kLeafBit];
-      state_.counters.triangles += block.count;
-      TestBlock(block, frame_, visible_until, block_hits);
-      state_.counters.root_solves += 3 * static_cast<uint64_t>(std::popcount(block_hits.solved));
-      AddHits(tree, block, block_hits);
+      CollectLeaf(tree, tree.blocks[entry.node & ~kLeafBit], entry, visible_until);
       if (state_.is_complete()) return;
     }
   }
 
-  HWY_INLINE void AddHits(const Tree<kMovingKeys>& tree, const TriangleBlock<kMovingKeys>& block,
-                          const BlockHits<T>& hits) {
+  HWY_INLINE void CollectLeaf(const MovingTree& tree, const MovingBlock& block, const StackEntry& entry,
+                              float visible_until) {
+    BlockHits<T> hits;
+    const Row* times = &tree.times[block.first_time];
+    for (uint32_t s = 0; s < block.spans; ++s) {
+      const uint32_t lanes = LanesInSpan(block, times + s, entry.begin, entry.end);
+      if (lanes == 0) continue;
+      const Span span(tree, block, s);
+      state_.counters.triangles += static_cast<uint64_t>(std::popcount(lanes));
+      TestBlock(span.key0, span.key1, lanes, frame_, visible_until, hits);
+      state_.counters.root_solves += 3 * static_cast<uint64_t>(std::popcount(hits.solved));
+      AddHits(block, span, hits);
+    }
+  }
+
+  HWY_INLINE void AddHits(const MovingBlock& block, const Span& span, const BlockHits<T>& hits) {
     for (uint32_t mask = hits.hit | hits.rare; mask != 0; mask &= mask - 1) {
       const size_t lane = static_cast<size_t>(std::countr_zero(mask));
       if (((hits.rare | hits.bent) >> lane & 1) != 0) {
-        AddSlowly(tree, block, lane, (hits.rare >> lane & 1) != 0, hits);
+        AddSlowly(block, span, lane, (hits.rare >> lane & 1) != 0, hits);
         continue;
       }
-      AddHit(state_,
-             to_segment(HitAt(hits, lane), block.mesh[lane], block.triangle[lane], tree.time_begin, tree.time_end));
+      AddHit(state_, to_segment(HitAt(hits, lane), block.mesh[lane], block.triangle[lane], span.begin.lane[lane],
+                                span.end.lane[lane]));
     }
   }
 
@@ -125,16 +132,13 @@ class Collector {
   }
 
   /// Lanes with more than one interval, on both sides of the origin, or whose distance is far from linear.
-  HWY_NOINLINE void AddSlowly(const Tree<kMovingKeys>& tree, const TriangleBlock<kMovingKeys>& block, size_t lane,
-                              bool rare, const BlockHits<T>& hits) {
-    std::array<std::array<Vec3f, 3>, 2> position;
-    for (size_t key = 0; key < 2; ++key)
-      for (size_t vertex = 0; vertex < 3; ++vertex)
-        for (int axis = 0; axis < 3; ++axis) position[key][vertex][axis] = block.position[key][vertex][axis][lane];
-    const FramedTriangle<T> framed = to_frame(frame_, position);
+  HWY_NOINLINE void AddSlowly(const MovingBlock& block, const Span& span, size_t lane, bool rare,
+                              const BlockHits<T>& hits) {
+    const FramedTriangle<T> framed = to_frame(frame_, span.triangle(lane));
     const auto edges = edge_functions(framed);
     const auto add = [&](const HitInterval<T>& hit) {
-      add_in_pieces(state_, framed, edges, hit, block.mesh[lane], block.triangle[lane], tree.time_begin, tree.time_end);
+      add_in_pieces(state_, framed, edges, hit, block.mesh[lane], block.triangle[lane], span.begin.lane[lane],
+                    span.end.lane[lane]);
     };
     if (!rare) {
       add(HitAt(hits, lane));
@@ -154,14 +158,14 @@ void CollectFast(const Accel& accel, const Ray& ray, RayState& state) { Collecto
 void CollectExact(const Accel& accel, const Ray& ray, RayState& state) { Collector<double>(accel, ray, state).Run(); }
 void CollectPacket(const Accel& accel, const RayPacket& packet, std::span<RayState> states) {
   if (accel.still.root != kNoNode) StillPacketCollector(packet, states).Collect(accel.still);
-  PacketCollector collector(packet, states);
-  for (const auto& tree : accel.moving) collector.Collect(tree);
+  if (accel.moving.root != kNoNode) PacketCollector(packet, states).Collect(accel.moving);
 }
 void TestOneNode(const Node<kMovingKeys>& node, const Ray& ray, NodeHits& hits) {
-  TestNode(node, RaySlabs(ray), 0, 1, hits);
+  TestNode(node, nullptr, RaySlabs(ray), 0, 1, hits);
 }
-void TestOneBlock(const TriangleBlock<kMovingKeys>& block, const Ray& ray, BlockHits<float>& hits) {
-  TestBlock(block, RayFrame<float>(ray), std::numeric_limits<float>::infinity(), hits);
+void TestOneBlock(const BlockKey& begin, const BlockKey& end, const Ray& ray, BlockHits<float>& hits) {
+  constexpr uint32_t kAll = (1u << kWidth) - 1;
+  TestBlock(begin, end, kAll, RayFrame<float>(ray), std::numeric_limits<float>::infinity(), hits);
 }
 
 constexpr Kernels kKernels{CollectFast, CollectExact, CollectPacket, TestOneNode, TestOneBlock};

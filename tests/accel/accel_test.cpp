@@ -2,6 +2,7 @@
 #include "accel/accel.h"
 
 #include <cstring>
+#include <map>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -14,77 +15,170 @@ namespace {
 
 using Id = std::pair<uint32_t, uint32_t>;
 
-template <int kKeys>
-struct Walk {
-  const Tree<kKeys>& tree;
-  std::multiset<Id> found;
-  uint32_t deepest = 0;
+/// A child's box, and when it is there.
+struct Box {
+  double lower[2][3], upper[2][3];
+  float begin, end;
 
-  /// Vertices at both keys must be inside `lower` and `upper` of every box above.
-  void visit(NodeRef ref, const float (&lower)[kKeys][3], const float (&upper)[kKeys][3], uint32_t depth) {
-    deepest = std::max(deepest, depth);
-    if ((ref & kLeafBit) != 0) {
-      const auto& block = tree.blocks[ref & ~kLeafBit];
-      ASSERT_GE(block.count, 1u);
-      ASSERT_LE(block.count, kWidth);
-      for (size_t slot = 0; slot < block.count; ++slot) {
-        found.insert({block.mesh[slot], block.triangle[slot]});
-        for (size_t key = 0; key < kKeys; ++key)
-          for (size_t vertex = 0; vertex < 3; ++vertex)
-            for (size_t axis = 0; axis < 3; ++axis) {
-              ASSERT_GE(block.position[key][vertex][axis][slot], lower[key][axis]);
-              ASSERT_LE(block.position[key][vertex][axis][slot], upper[key][axis]);
-            }
+  template <int kKeys>
+  Box(const Node<kKeys>& node, size_t child, float window_begin, float window_end)
+      : begin(window_begin), end(window_end) {
+    for (size_t key = 0; key < 2; ++key)
+      for (size_t axis = 0; axis < 3; ++axis) {
+        lower[key][axis] = static_cast<double>(node.lower[key % kKeys][axis][child]);
+        upper[key][axis] = static_cast<double>(node.upper[key % kKeys][axis][child]);
       }
-      return;
-    }
-    const auto& node = tree.nodes[ref];
-    ASSERT_GE(node.count, 2u);
-    for (size_t c = 0; c < node.count; ++c) {
-      float inner_lower[kKeys][3], inner_upper[kKeys][3];
-      for (size_t key = 0; key < kKeys; ++key)
-        for (size_t axis = 0; axis < 3; ++axis) {
-          inner_lower[key][axis] = node.lower[key][axis][c];
-          inner_upper[key][axis] = node.upper[key][axis][c];
-          ASSERT_GE(inner_lower[key][axis], lower[key][axis]);
-          ASSERT_LE(inner_upper[key][axis], upper[key][axis]);
-        }
-      visit(node.child[c], inner_lower, inner_upper, depth + 1);
-    }
   }
-  void run() {
-    float lower[kKeys][3], upper[kKeys][3];
-    for (auto& key : lower)
-      for (float& x : key) x = -INFINITY;
-    for (auto& key : upper)
-      for (float& x : key) x = INFINITY;
-    if (tree.root != kNoNode) visit(tree.root, lower, upper, 0);
-    EXPECT_EQ(deepest, tree.depth);
+
+  /// Vertices at one key, which lies inside the window.
+  void expect_inside(const float (&position)[3][3][kWidth], size_t slot, float time) const {
+    ASSERT_GE(time, begin);
+    ASSERT_LE(time, end);
+    const double at = (static_cast<double>(time) - static_cast<double>(begin)) /
+                      (static_cast<double>(end) - static_cast<double>(begin));
+    for (const auto& vertex : position)
+      for (size_t axis = 0; axis < 3; ++axis) {
+        const auto x = static_cast<double>(vertex[axis][slot]);
+        const auto bound = [&](const double(&of)[2][3]) { return of[0][axis] + at * (of[1][axis] - of[0][axis]); };
+        ASSERT_GE(x, bound(lower));
+        ASSERT_LE(x, bound(upper));
+      }
   }
 };
 
-TEST(Accel, EveryTriangleIsInItsTreesOnceAndInsideItsBoxes) {
+/// Vertices at all keys must be inside every box above them.
+struct StillWalk {
+  const StillTree& tree;
+  std::multiset<Id> found;
+  uint32_t deepest = 0;
+  std::vector<Box> above;
+
+  void run() {
+    if (tree.root != kNoNode) visit(tree.root);
+    EXPECT_EQ(deepest, tree.depth);
+  }
+  void visit(NodeRef ref) {
+    deepest = std::max(deepest, static_cast<uint32_t>(above.size()));
+    if ((ref & kLeafBit) == 0) {
+      const auto& node = tree.nodes[ref];
+      ASSERT_GE(node.count, 2u);
+      for (size_t c = 0; c < node.count; ++c) {
+        above.emplace_back(node, c, 0.0f, 1.0f);
+        visit(node.child[c]);
+        above.pop_back();
+      }
+      return;
+    }
+    const auto& block = tree.blocks[ref & ~kLeafBit];
+    ASSERT_GE(block.count, 1u);
+    ASSERT_LE(block.count, kWidth);
+    for (size_t slot = 0; slot < block.count; ++slot) {
+      found.insert({block.mesh[slot], block.triangle[slot]});
+      for (const Box& box : above) box.expect_inside(block.position[0], slot, 0);
+    }
+  }
+};
+
+struct MovingWalk {
+  const MovingTree& tree;
+  std::map<Id, std::vector<std::pair<float, float>>> found;  ///< key spans
+  size_t lanes = 0, stored = 0;                              ///< key spans that are there, and those that have memory
+  uint32_t deepest = 0;
+  std::vector<Box> above;
+
+  void run() {
+    if (tree.root != kNoNode) visit(tree.root);
+    EXPECT_EQ(deepest, tree.depth);
+    for (auto& [id, spans] : found) {  // together they are the shutter, without an overlap
+      std::sort(spans.begin(), spans.end());
+      float until = 0;
+      for (const auto& [begin, end] : spans) {
+        EXPECT_EQ(begin, until) << id.first;
+        until = end;
+      }
+      EXPECT_EQ(until, 1) << id.first;
+    }
+  }
+  void visit(NodeRef ref) {
+    deepest = std::max(deepest, static_cast<uint32_t>(above.size()));
+    if ((ref & kLeafBit) == 0) {
+      const auto& node = tree.nodes[ref];
+      ASSERT_GE(node.count, 2u);
+      for (size_t c = 0; c < node.count; ++c) {
+        const bool windows = !tree.windows.empty();
+        above.emplace_back(node, c, windows ? tree.windows[ref].begin.lane[c] : 0.0f,
+                           windows ? tree.windows[ref].end.lane[c] : 1.0f);
+        visit(node.child[c]);
+        above.pop_back();
+      }
+      return;
+    }
+    const auto& block = tree.blocks[ref & ~kLeafBit];
+    ASSERT_GE(block.count, 1u);
+    ASSERT_LE(block.count, kWidth);
+    ASSERT_GE(block.spans, 1u);
+    stored += size_t{block.spans} * kWidth;
+    for (size_t slot = 0; slot < block.count; ++slot)
+      for (uint32_t key = 0; key <= block.spans; ++key) {
+        const Row* times = &tree.times[block.first_time + key];
+        const float time = times[0].lane[slot];
+        ASSERT_TRUE(!block.same_times || time == times[0].lane[0]);
+        for (const Box& box : above) box.expect_inside(tree.keys[block.first_key + key].position, slot, time);
+        if (key == block.spans || time == times[1].lane[slot]) continue;
+        ++lanes;
+        found[{block.mesh[slot], block.triangle[slot]}].push_back({time, times[1].lane[slot]});
+      }
+  }
+};
+
+TEST(Accel, EveryTriangleIsThereAtAllTimesOnceAndInsideItsBoxes) {
   std::mt19937 random(test::seed());
   std::vector<Mesh> meshes;
   meshes.push_back(test::random_soup(random, test::Motion::still, 3000));
   meshes.push_back(test::random_soup(random, test::Motion::deform, 20000));  // enough to build in parallel
   meshes.push_back(test::random_soup(random, test::Motion::violent, 5));
-  Mesh& three_keys = meshes.emplace_back(test::random_soup(random, test::Motion::translation, 700));
-  three_keys.key_times = {0, 0.5f, 0.5f, 1};  // with a jump, which needs no tree
-  three_keys.positions.insert(three_keys.positions.begin() + 1, {three_keys.positions[0], three_keys.positions[1]});
+  Mesh& jumping = meshes.emplace_back(test::random_soup(random, test::Motion::translation, 700));
+  jumping.key_times = {0, 0.5f, 0.5f, 1};  // a jump takes no time
+  jumping.positions.insert(jumping.positions.begin() + 1, {jumping.positions[0], jumping.positions[1]});
+  // Keys of their own for everybody, and many that turn about: split in time.
+  for (uint32_t keys = 2; keys < 20; ++keys)
+    meshes.push_back(test::with_random_keys(random, test::random_soup(random, test::Motion::violent, 3), keys));
+  meshes.push_back(test::with_random_keys(random, test::random_soup(random, test::Motion::violent, 2000), 17));
   const Accel accel = build_accel(meshes);
 
-  Walk<kStaticKeys> still{accel.still, {}, 0};
+  StillWalk still{accel.still, {}, 0, {}};
   still.run();
   EXPECT_EQ(still.found.size(), 3000u);
-  std::map<Id, float> covered;  // shutter time for which a triangle is in some moving tree
-  for (const auto& tree : accel.moving) {
-    Walk<kMovingKeys> moving{tree, {}, 0};
-    moving.run();
-    for (const Id& id : moving.found) covered[id] += tree.time_end - tree.time_begin;
+  MovingWalk moving{accel.moving, {}, 0, 0, 0, {}};
+  moving.run();
+  EXPECT_EQ(moving.found.size(), 20005u + 700u + 18 * 3 + 2000u);
+  EXPECT_FALSE(accel.moving.windows.empty()) << "nothing was split in time";
+}
+
+TEST(Accel, TrianglesOfManyMeshesShareBlocksWhateverTheirKeys) {
+  std::mt19937 random(test::seed());
+  std::vector<Mesh> meshes;
+  for (int i = 0; i < 1024; ++i)
+    meshes.push_back(test::with_random_keys(random, test::random_soup(random, test::Motion::translation, 1), 3));
+  const Accel accel = build_accel(meshes);
+  EXPECT_LE(accel.moving.blocks.size(), 1024u / 6);
+  // Where key spans differ in number, what is repeated takes no more than what is there.
+  for (int i = 0; i < 1024; ++i) {
+    const uint32_t keys = 2 + static_cast<uint32_t>(random() % 30);
+    meshes.push_back(test::with_random_keys(random, test::random_soup(random, test::Motion::translation, 1), keys));
   }
-  EXPECT_EQ(covered.size(), 20005u + 700u);
-  for (const auto& [id, time] : covered) EXPECT_FLOAT_EQ(time, 1) << id.first;
+  const Accel mixed = build_accel(meshes);
+  MovingWalk walk{mixed.moving, {}, 0, 0, 0, {}};
+  walk.run();
+  EXPECT_LE(walk.stored, 4 * walk.lanes);
+}
+
+TEST(Accel, KeysOfNeighbouringSpansAreStoredOnce) {
+  std::mt19937 random(test::seed());
+  const Mesh one = test::random_soup(random, test::Motion::translation, 5000);
+  const Mesh many = test::with_random_keys(random, one, 17, 0.001f);
+  const auto bytes = [](const Mesh& mesh) { return build_accel(std::vector{mesh}).memory_bytes(); };
+  EXPECT_LE(bytes(many), bytes(one) * 17 / 2 * 5 / 4) << "seventeen keys in place of two, and a quarter more";
 }
 
 TEST(Accel, TrianglesThatNoKeyMovesStandStillWhateverTheRestOfTheirMeshDoes) {
@@ -92,31 +186,57 @@ TEST(Accel, TrianglesThatNoKeyMovesStandStillWhateverTheRestOfTheirMeshDoes) {
   Mesh mesh = test::random_soup(random, test::Motion::still, 100);
   mesh.positions[1][0].x += 1;  // moves triangle 0 alone
   const Accel accel = build_accel(std::vector{mesh});
-  Walk<kStaticKeys> still{accel.still, {}, 0};
+  StillWalk still{accel.still, {}, 0, {}};
   still.run();
   EXPECT_EQ(still.found.size(), 99u);
-  ASSERT_EQ(accel.moving.size(), 1u);
-  EXPECT_EQ(accel.moving[0].blocks.size(), 1u);
+  EXPECT_EQ(accel.moving.blocks.size(), 1u);
+}
+
+void expect_same_bytes(const auto& a, const auto& b) {
+  ASSERT_EQ(a.size(), b.size());
+  ASSERT_TRUE(a.empty() || std::memcmp(a.data(), b.data(), bytes_of(a)) == 0);
 }
 
 template <int kKeys>
-void expect_same(const Tree<kKeys>& a, const Tree<kKeys>& b) {
-  EXPECT_EQ(a.root, b.root);
-  EXPECT_EQ(a.depth, b.depth);
-  ASSERT_EQ(a.nodes.size(), b.nodes.size());
-  for (size_t n = 0; n < a.nodes.size(); ++n) {
-    ASSERT_EQ(a.nodes[n].count, b.nodes[n].count);
-    ASSERT_EQ(std::memcmp(a.nodes[n].lower, b.nodes[n].lower, sizeof a.nodes[n].lower), 0);
-    ASSERT_EQ(std::memcmp(a.nodes[n].upper, b.nodes[n].upper, sizeof a.nodes[n].upper), 0);
-    ASSERT_EQ(std::memcmp(a.nodes[n].child, b.nodes[n].child, sizeof a.nodes[n].child), 0);
+void expect_same_nodes(const LargeArray<Node<kKeys>>& a, const LargeArray<Node<kKeys>>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t n = 0; n < a.size(); ++n) {
+    ASSERT_EQ(a[n].count, b[n].count);
+    ASSERT_EQ(std::memcmp(a[n].lower, b[n].lower, sizeof a[n].lower), 0);
+    ASSERT_EQ(std::memcmp(a[n].upper, b[n].upper, sizeof a[n].upper), 0);
+    ASSERT_EQ(std::memcmp(a[n].child, b[n].child, sizeof a[n].child), 0);
   }
-  ASSERT_EQ(a.blocks.size(), b.blocks.size());
-  for (size_t n = 0; n < a.blocks.size(); ++n) {
-    ASSERT_EQ(a.blocks[n].count, b.blocks[n].count);
-    ASSERT_EQ(std::memcmp(a.blocks[n].position, b.blocks[n].position, sizeof a.blocks[n].position), 0);
-    ASSERT_EQ(std::memcmp(a.blocks[n].mesh, b.blocks[n].mesh, sizeof a.blocks[n].mesh), 0);
-    ASSERT_EQ(std::memcmp(a.blocks[n].triangle, b.blocks[n].triangle, sizeof a.blocks[n].triangle), 0);
+}
+
+void expect_same_ids(const auto& a, const auto& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t n = 0; n < a.size(); ++n) {
+    ASSERT_EQ(a[n].count, b[n].count);
+    ASSERT_EQ(std::memcmp(a[n].mesh, b[n].mesh, sizeof a[n].mesh), 0);
+    ASSERT_EQ(std::memcmp(a[n].triangle, b[n].triangle, sizeof a[n].triangle), 0);
   }
+}
+
+void expect_same(const Accel& a, const Accel& b) {
+  EXPECT_EQ(a.still.root, b.still.root);
+  EXPECT_EQ(a.still.depth, b.still.depth);
+  expect_same_nodes(a.still.nodes, b.still.nodes);
+  expect_same_ids(a.still.blocks, b.still.blocks);
+  for (size_t n = 0; n < a.still.blocks.size(); ++n)
+    ASSERT_EQ(std::memcmp(a.still.blocks[n].position, b.still.blocks[n].position, sizeof a.still.blocks[n].position),
+              0);
+  EXPECT_EQ(a.moving.root, b.moving.root);
+  EXPECT_EQ(a.moving.depth, b.moving.depth);
+  expect_same_nodes(a.moving.nodes, b.moving.nodes);
+  expect_same_ids(a.moving.blocks, b.moving.blocks);
+  for (size_t n = 0; n < a.moving.blocks.size(); ++n) {
+    ASSERT_EQ(a.moving.blocks[n].spans, b.moving.blocks[n].spans);
+    ASSERT_EQ(a.moving.blocks[n].first_key, b.moving.blocks[n].first_key);
+    ASSERT_EQ(a.moving.blocks[n].first_time, b.moving.blocks[n].first_time);
+  }
+  expect_same_bytes(a.moving.windows, b.moving.windows);
+  expect_same_bytes(a.moving.keys, b.moving.keys);
+  expect_same_bytes(a.moving.times, b.moving.times);
 }
 
 TEST(Accel, DoesNotDependOnTheNumberOfThreads) {
@@ -127,6 +247,7 @@ TEST(Accel, DoesNotDependOnTheNumberOfThreads) {
   meshes.push_back(test::random_soup(random, test::Motion::translation, 20000));
   std::copy_n(meshes[1].positions[0].begin(), 30000, meshes[1].positions[1].begin());
   meshes.push_back(test::random_soup(random, test::Motion::still, 30000));
+  meshes.push_back(test::with_random_keys(random, test::random_soup(random, test::Motion::violent, 20000), 5));
   const auto build = [&](int threads) {
     const ThreadLimit limit(threads);
     return build_accel(meshes);
@@ -134,9 +255,7 @@ TEST(Accel, DoesNotDependOnTheNumberOfThreads) {
   const Accel one = build(1);
   for (int round = 0; round < 3; ++round) {
     const Accel two = build(2);
-    expect_same(one.still, two.still);
-    ASSERT_EQ(one.moving.size(), two.moving.size());
-    for (size_t t = 0; t < one.moving.size(); ++t) expect_same(one.moving[t], two.moving[t]);
+    expect_same(one, two);
   }
 }
 
@@ -144,7 +263,7 @@ TEST(Accel, BlocksAreWellFilled) {
   std::mt19937 random(test::seed());
   const Accel accel = build_accel(std::vector{test::random_soup(random, test::Motion::deform, 20000)});
   // Where ranges are split without regard to blocks, these hold less than six triangles on average.
-  EXPECT_LE(accel.moving.at(0).blocks.size(), 20000u / 7);
+  EXPECT_LE(accel.moving.blocks.size(), 20000u / 7);
 }
 
 TEST(Accel, HostileGeometryMakesNoDeepTree) {
@@ -166,8 +285,8 @@ TEST(Accel, CoordinatesWhoseSumsOverflowDoNoHarm) {
     for (const float low : {-1.0f, 0.6f}) {
       std::uniform_real_distribution<float> uniform(low, 1);
       Mesh mesh;
-      mesh.key_times = {0, 1};
-      mesh.positions.resize(2);
+      mesh.key_times = {0, 0.5f, 1};
+      mesh.positions.resize(3);
       for (uint32_t i = 0; i < 5000; ++i) {
         for (int v = 0; v < 3; ++v)
           for (auto& key : mesh.positions)
@@ -175,7 +294,7 @@ TEST(Accel, CoordinatesWhoseSumsOverflowDoNoHarm) {
         mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
       }
       const Accel accel = build_accel(std::vector{mesh});
-      Walk<kMovingKeys> walk{accel.moving.at(0), {}, 0};
+      MovingWalk walk{accel.moving, {}, 0, 0, 0, {}};
       walk.run();
       EXPECT_EQ(walk.found.size(), 5000u) << size;
       EXPECT_LE(accel.depth(), 9u) << size;
@@ -199,7 +318,7 @@ TEST(Accel, ThingsInOnePlaceThatMoveDifferentlyArePartedFirst) {
     mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
   const Accel accel = build_accel(std::vector{mesh});
-  for (const auto& block : accel.moving.at(0).blocks)
+  for (const auto& block : accel.moving.blocks)
     for (size_t slot = 1; slot < block.count; ++slot) EXPECT_EQ(block.triangle[slot] % 2, block.triangle[0] % 2);
 }
 
