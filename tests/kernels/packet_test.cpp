@@ -240,8 +240,8 @@ TEST(Packets, ShareMostOfTheirWork) {
       tracer.trace_packet(rays, Visibility::visible, together);
     }
     EXPECT_EQ(together.counters().rays, alone.counters().rays);
-    EXPECT_LT(together.counters().nodes, alone.counters().nodes / 8);
-    EXPECT_LT(together.counters().triangles, alone.counters().triangles / 6);
+    EXPECT_LT(together.counters().nodes, alone.counters().nodes / 4);
+    EXPECT_LT(together.counters().triangles, alone.counters().triangles / 3);
   }
 }
 

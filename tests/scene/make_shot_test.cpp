@@ -87,6 +87,19 @@ TEST(Shutter, NonsenseIsRefused) {
   message_of(ErrorCode::bad_usage, [&] { make_shot(scene, options); });
 }
 
+TEST(OneSided, AsTheMaterialSaysUnlessLightGoesThroughIt) {
+  Scene scene = make_scene(make_still_triangle());
+  const auto is_one_sided = [&](bool double_sided, float transmission) {
+    scene.materials.assign(1, Material{});
+    scene.materials[0].double_sided = double_sided;
+    scene.materials[0].transmission = transmission;
+    return make_shot(scene).meshes.at(0).one_sided;
+  };
+  EXPECT_FALSE(is_one_sided(true, 0));
+  EXPECT_TRUE(is_one_sided(false, 0));
+  EXPECT_FALSE(is_one_sided(false, 0.5f)) << "the border of a body of glass has two sides";
+}
+
 TEST(Camera, ByNameOrIndex) {
   Scene scene = make_scene(make_still_triangle());
   SceneCamera second = scene.cameras[0];

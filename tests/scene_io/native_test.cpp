@@ -62,6 +62,16 @@ TEST_F(Native, AlphaMakesMasksAndBlended) {
   refuse_fields(R"("materials": {"m": {"alpha_mode": "blend", "alpha_cutoff": 0.5}})", {"alpha_cutoff", "mask"});
 }
 
+TEST_F(Native, SurfacesHaveTwoSidesUnlessItSaysOtherwise) {
+  const auto read = [&](const std::string& fields) {
+    return load(R"({"kairos": 1, "materials": {"m": {)" + fields + "}}}").materials.at(1).double_sided;
+  };
+  EXPECT_TRUE(read(""));
+  EXPECT_TRUE(read("\"double_sided\": true"));
+  EXPECT_FALSE(read("\"double_sided\": false"));
+  refuse_fields(R"("materials": {"m": {"double_sided": 1}})", {"materials.m.double_sided", "true or false"});
+}
+
 TEST_F(Native, ReadsAllOfItsFields) {
   const Scene scene = load(R"({"kairos": 1,
     "meshes": [{"name": "hand", "keys": ["a0.obj", "a1.obj"], "times": [-1, 3], "material": "skin",
