@@ -64,9 +64,10 @@ void run_compare(const CompareArguments& arguments) {
                                       ? ""
                                       : fmt::format("{}  {:.1f} dB", arguments.labels[i], differences[i].psnr)});
   const Image joined = side_by_side(panels, arguments.zoom);
-  guard_file(temporary_name(arguments.side_by_side));
+  begin_polling();  // a signal waits until the picture is there
   write_image(joined, arguments.side_by_side);
-  guard_file("");
+  end_polling();
+  if (interrupted()) throw Error(ErrorCode::cancelled, "", "interrupted");
 }
 
 }  // namespace

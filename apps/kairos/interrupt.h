@@ -1,8 +1,6 @@
 // Ctrl-C and SIGTERM: stop within a second, leave no half-done file.
 #pragma once
 
-#include <string>
-
 namespace kairos::cli {
 
 /// From now on a signal ends the program with exit status 1 and one line.
@@ -12,8 +10,5 @@ void install_interrupt_handler();
 void begin_polling();
 void end_polling();
 bool interrupted();
-
-/// The file that is being written, to be removed when the program is ended; empty: none. Not longer than a path may be.
-void guard_file(const std::string& path);
 
 }  // namespace kairos::cli

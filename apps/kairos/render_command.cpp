@@ -10,6 +10,7 @@
 #include "arguments.h"
 #include "base/atomic_file.h"
 #include "commands.h"
+#include "frame_mark.h"
 #include "frames.h"
 #include "interrupt.h"
 #include "progress_bar.h"
@@ -32,6 +33,7 @@ struct RenderArguments {
   std::string out, stats_file, command_line;  ///< names of files: with `frames`, of a sequence's
   std::string calibration = kDefaultCalibration;
   std::optional<FrameRange> frames;
+  const CLI::App* command = nullptr;
   bool quiet = false;
 };
 
@@ -73,8 +75,18 @@ struct Job {
   std::string out, stats_file;
 };
 
-/// The pictures that are not there yet.
-std::vector<Job> jobs_of(const RenderArguments& arguments) {
+/// What decides the pixels of a sequence's frames.
+std::string mark_of(const RenderArguments& arguments) {
+  if (!arguments.frames) return "";
+  std::vector<std::string> files = arguments.scene.paths;
+  if (arguments.calibration != kDefaultCalibration) files.push_back(arguments.calibration);
+  return frame_mark(*arguments.command,
+                    {"SCENE", "--output", "--frames", "--stats-file", "--calibration", "--threads", "--quiet"}, files);
+}
+
+/// The pictures that are not there yet. Throws Error(bad_input) where there is one of another sequence: frames that
+/// were made in different ways do not belong into one film, and nobody's picture is lost.
+std::vector<Job> jobs_of(const RenderArguments& arguments, const std::string& mark) {
   if (!arguments.frames) return {{arguments.scene.shot, arguments.out, arguments.stats_file}};
   const FrameName out("--output", arguments.out);
   std::vector<Job> jobs;
@@ -82,7 +94,14 @@ std::vector<Job> jobs_of(const RenderArguments& arguments) {
     Job job{arguments.scene.shot, out.at(frame), ""};
     if (!arguments.stats_file.empty()) job.stats_file = FrameName("--stats-file", arguments.stats_file).at(frame);
     // Pictures get their name when they are complete: what is there need not be made again.
-    if (std::filesystem::is_regular_file(job.out)) continue;
+    if (std::filesystem::is_regular_file(job.out)) {
+      if (read_frame_mark(job.out) != mark)
+        throw Error(
+            ErrorCode::bad_input, job.out,
+            "is there, but not of this sequence: scene files, options or kairos were others; remove it, or give "
+            "another name");
+      if (job.stats_file.empty() || std::filesystem::is_regular_file(job.stats_file)) continue;
+    }
     job.shot.frame = frame;
     jobs.push_back(std::move(job));
   }
@@ -91,8 +110,8 @@ std::vector<Job> jobs_of(const RenderArguments& arguments) {
   return jobs;
 }
 
-void render_job(const RenderArguments& arguments, const Job& job, const Scene& scene, Timings timings,
-                std::set<std::string>& told) {
+void render_job(const RenderArguments& arguments, const Job& job, const std::string& mark, const Scene& scene,
+                Timings timings, std::set<std::string>& told) {
   const Stopwatch reducing;
   const Shot shot = make_shot(scene, job.shot);
   timings.shot = reducing.seconds();
@@ -112,10 +131,12 @@ void render_job(const RenderArguments& arguments, const Job& job, const Scene& s
                                         : std::string("Embree")));
 
   image.attributes.push_back({"kairos:command_line", arguments.command_line});
+  if (!mark.empty()) image.attributes.push_back({kFrameMarkName, mark});
   const Stopwatch writing;
-  guard_file(temporary_name(job.out));
+  begin_polling();  // a signal waits until the picture is there
   write_image(image, job.out, arguments.write);
-  guard_file("");
+  end_polling();
+  if (interrupted()) throw Error(ErrorCode::cancelled, "", "interrupted");
   timings.write = writing.seconds();
   if (!job.stats_file.empty()) {
     const std::string text = stats_text(arguments.params, shot, stats, timings);
@@ -142,7 +163,8 @@ std::optional<Calibration> calibration_of(const RenderArguments& arguments) {
 
 void run_render(RenderArguments& arguments) {
   arguments.params.calibration = calibration_of(arguments);
-  const std::vector<Job> jobs = jobs_of(arguments);
+  const std::string mark = mark_of(arguments);
+  const std::vector<Job> jobs = jobs_of(arguments, mark);
   for (const Job& job : jobs) {
     check_writable_image(job.out);
     if (!job.stats_file.empty()) check_writable(job.stats_file);
@@ -157,7 +179,7 @@ void run_render(RenderArguments& arguments) {
   std::set<std::string> told;  // notes are much the same for every frame
   const Stopwatch rendering;
   for (size_t i = 0; i < jobs.size(); ++i) {
-    render_job(arguments, jobs[i], *scene, timings, told);
+    render_job(arguments, jobs[i], mark, *scene, timings, told);
     const size_t left = jobs.size() - i - 1;
     const double seconds = rendering.seconds() / static_cast<double>(i + 1) * static_cast<double>(left);
     const std::string outlook = left ? fmt::format("; {} of {}, {} left", i + 1, jobs.size(), clock_time(seconds)) : "";
@@ -236,6 +258,7 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
   CLI::App& command = *app.add_subcommand("render", "Render a scene to a picture");
   const auto arguments = std::make_shared<RenderArguments>();
   arguments->command_line = command_line;
+  arguments->command = &command;
   add_scene_arguments(command, arguments->scene);
   add_picture_options(command, *arguments);
   add_sampling_options(command, *arguments);

@@ -3,7 +3,10 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <random>
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <kairos/error.h>
@@ -14,29 +17,64 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Renaming onto a symbolic link would replace the link instead of what it points at.
-std::string target_of(const std::string& path) {
-  std::error_code ec;
-  if (!fs::is_symlink(path, ec)) return path;
-  const fs::path target = fs::weakly_canonical(path, ec);
-  return ec ? path : target.string();
+std::string folder_of(const std::string& path) {
+  const fs::path folder = fs::path(path).parent_path();
+  return folder.empty() ? "." : folder.string();
 }
+
+[[noreturn]] void refuse(const std::string& path, int reason) {
+  throw Error(ErrorCode::io, path,
+              std::string("cannot be written: ") + std::strerror(reason) + "; check the folder and its permissions");
+}
+
+/// What a link stands for, whether that exists or not: renaming onto a link would replace the link.
+std::string target_of(const std::string& path) {
+  constexpr int kMostLinks = 40;  // as many as Linux follows
+  fs::path target = path;
+  std::error_code ec;
+  for (int links = 0; fs::is_symlink(fs::symlink_status(target, ec)); ++links) {
+    if (links == kMostLinks) refuse(path, ELOOP);
+    target = target.parent_path() / fs::read_symlink(target, ec);  // which an absolute one replaces
+    if (ec) refuse(path, ec.value());
+  }
+  return target.string();
+}
+
+/// A name in the same folder, so that renaming stays atomic. Nobody can foretell it and put something in its place, nor
+/// do two writers choose the same, whatever machines they run on. Any name that a file may have leaves room for it.
+std::string temporary_name(const std::string& path) {
+  std::random_device random;
+  char name[32];
+  std::snprintf(name, sizeof(name), "kairos-%08x%08x.tmp", random(), random());
+  return (fs::path(folder_of(path)) / name).string();
+}
+
+/// Waits until the medium has it. File systems that cannot say so do what they can.
+bool flush_to_medium(int file) { return fsync(file) == 0 || errno == EINVAL || errno == ENOTSUP; }
 
 }  // namespace
 
-std::string temporary_name(const std::string& path) { return target_of(path) + ".tmp" + std::to_string(getpid()); }
-
 void check_writable(const std::string& path) { const AtomicFile probe(path); }
 
-AtomicFile::AtomicFile(const std::string& path) : path_(target_of(path)), temporary_(temporary_name(path)) {
-  std::error_code ec;
-  const fs::file_status status = fs::status(path_, ec);
-  if (fs::exists(status) && !fs::is_regular_file(status))
-    throw Error(ErrorCode::io, path, "is not a file; give the name of one");
-  file_ = std::fopen(temporary_.c_str(), "wb");
-  if (file_ == nullptr)
-    throw Error(ErrorCode::io, path,
-                std::string("cannot be written: ") + std::strerror(errno) + "; check the folder and its permissions");
+AtomicFile::AtomicFile(const std::string& path) : path_(target_of(path)) {
+  struct stat old {};
+  const bool replaces = stat(path_.c_str(), &old) == 0;
+  if (!replaces && errno != ENOENT) refuse(path, errno);
+  if (replaces && !S_ISREG(old.st_mode)) throw Error(ErrorCode::io, path, "is not a file; give the name of one");
+  int file = -1;
+  do {
+    temporary_ = temporary_name(path_);
+    file = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  } while (file < 0 && errno == EEXIST);
+  if (file < 0) refuse(path, errno);
+  if (replaces) fchmod(file, old.st_mode & 0777);  // who may read it stays so, where the system allows that
+  file_ = fdopen(file, "wb");
+  if (file_ == nullptr) {
+    const int reason = errno;
+    close(file);
+    std::remove(temporary_.c_str());
+    refuse(path, reason);
+  }
 }
 
 AtomicFile::~AtomicFile() {
@@ -64,15 +102,20 @@ size_t AtomicFile::tell() {
 }
 
 void AtomicFile::commit() {
-  if (std::ferror(file_) != 0 || std::fflush(file_) != 0) fail("cannot be written");
+  // Renamed before its bytes are on the medium, a file could be there without them after a power failure.
+  if (std::ferror(file_) != 0 || std::fflush(file_) != 0 || !flush_to_medium(fileno(file_))) fail("cannot be written");
   std::FILE* const file = file_;
   file_ = nullptr;
-  const bool closed = std::fclose(file) == 0;
-  if (closed && std::rename(temporary_.c_str(), path_.c_str()) == 0) return;
-  const int reason = errno;
-  std::remove(temporary_.c_str());
-  errno = reason;
-  fail("cannot be written");
+  if (std::fclose(file) != 0 || std::rename(temporary_.c_str(), path_.c_str()) != 0) {
+    const int reason = errno;
+    std::remove(temporary_.c_str());
+    errno = reason;
+    fail("cannot be written");
+  }
+  const int folder = open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return;  // one may write to folders that one may not read
+  flush_to_medium(folder);
+  close(folder);
 }
 
 }  // namespace kairos

@@ -7,13 +7,12 @@
 
 namespace kairos {
 
-/// The name under which a file is written before it is complete: in the same folder, so that renaming stays atomic.
-std::string temporary_name(const std::string& path);
-
 /// Throws Error(io) when an AtomicFile could not be written at `path`.
 void check_writable(const std::string& path);
 
-/// Writes to temporary_name(path); commit() puts it in its place. Without commit nothing is left behind.
+/// Writes beside `path` under a name of its own; commit() puts it in its place, once its bytes are on the medium.
+/// Without commit nothing is left behind. Where `path` is a link, what it stands for is written. A file that is
+/// replaced hands on its permissions.
 class AtomicFile {
  public:
   /// Throws Error(io) when the folder cannot be written to, or `path` is something other than a file.

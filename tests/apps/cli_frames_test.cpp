@@ -31,16 +31,56 @@ TEST_F(CliFrames, EachFrameIsWhatFrameAloneGives) {
 }
 
 TEST_F(CliFrames, WhatIsThereIsNotMadeAgain) {
-  write("a5.png", "somebody's picture");
+  ASSERT_EQ(run("render scene.json -o a%d.png --fps 8 --tc-rays 1 --frames 5").status, 0);
+  const auto written = std::filesystem::last_write_time(path("a5.png"));
   const CliResult result = run("render scene.json -o a%d.png --fps 8 --tc-rays 1 --frames 4-6");
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_EQ(read(path("a5.png")), "somebody's picture");
+  EXPECT_EQ(std::filesystem::last_write_time(path("a5.png")), written);
   EXPECT_TRUE(exists("a4.png") && exists("a6.png"));
   EXPECT_NE(result.err.find("1 of 3 frames are there already"), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("wrote a4.png; 1 of 2, "), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("wrote a6.png\n"), std::string::npos) << result.err;
-  // All of them: nothing is read, nothing is made.
-  EXPECT_EQ(run("render missing.json -o a%d.png --quiet --frames 4-6").status, 0);
+  // All of them; neither threads nor what is logged decide what they are.
+  EXPECT_EQ(run("render ./scene.json -o a%d.png --fps 8 --tc-rays 1 --quiet --threads 1 --frames 4-6").status, 0);
+  EXPECT_EQ(std::filesystem::last_write_time(path("a5.png")), written);
+}
+
+TEST_F(CliFrames, PicturesOfAnotherSequenceAreNeitherKeptNorWrittenOver) {
+  for (const std::string name : {"a%d.png", "a%d.exr"}) {
+    const std::string first = "a0" + name.substr(3), second = "a1" + name.substr(3);
+    const std::string command = "render scene.json --fps 8 --quiet --frames 0-1 -o " + name;
+    ASSERT_EQ(run(command + " --tc-rays 1").status, 0);
+    ASSERT_EQ(run(command + " --tc-rays 1").status, 0);
+    const std::string kept = read(path(first));
+    const auto refused = [&](const std::string& how) {
+      const CliResult result = run(command + how);
+      EXPECT_EQ(result.status, 1) << how;
+      EXPECT_TRUE(result.one_line_error()) << result.err;
+      EXPECT_NE(result.err.find(first + ": is there, but not of this sequence"), std::string::npos) << result.err;
+    };
+    refused(" --tc-rays 2");
+    refused(" --tc-rays 1 --shading flat");
+    const std::string scene = read(path("scene.json"));
+    write("scene.json", scene + " ");
+    refused(" --tc-rays 1");
+    write("scene.json", scene);
+    EXPECT_EQ(read(path(first)), kept);
+    write(first, "somebody's picture");
+    refused(" --tc-rays 1");
+    EXPECT_EQ(read(path(first)), "somebody's picture");
+    std::filesystem::remove(path(first));
+    ASSERT_EQ(run(command + " --tc-rays 1").status, 0);
+  }
+}
+
+TEST_F(CliFrames, LostStatsFilesAreMadeAgain) {
+  const std::string command = std::string(kShot) + "-o a%d.exr --frames 0-1 --stats-file s%d.json";
+  ASSERT_EQ(run(command).status, 0);
+  const std::vector<float> before = red("a1.exr");
+  std::filesystem::remove(path("s1.json"));
+  ASSERT_EQ(run(command).status, 0);
+  EXPECT_TRUE(exists("s1.json"));
+  EXPECT_EQ(red("a1.exr"), before);
 }
 
 TEST_F(CliFrames, NamesOfFramesAreChecked) {

@@ -165,6 +165,47 @@ TEST_F(Output, WritesThroughASymbolicLink) {
   EXPECT_EQ(read_file(path("real"), 10).size(), 5u);
 }
 
+TEST_F(Output, WritesWhatADanglingLinkStandsFor) {
+  fs::create_directory(path("folder"));
+  fs::create_symlink("folder/real", path("link"));
+  AtomicFile file(path("link"));
+  file.write("newer", 5);
+  file.commit();
+  EXPECT_TRUE(fs::is_symlink(path("link")));
+  EXPECT_EQ(read_file(path("folder/real"), 10).size(), 5u);
+  fs::create_symlink("loop", path("loop"));
+  EXPECT_THROW(AtomicFile(path("loop")), Error);
+}
+
+// Two at once, in threads or in containers that count processes alike, and a name that somebody has put a link at.
+TEST_F(Output, WritersOfOneFileDoNotMeet) {
+  AtomicFile first(path("a")), second(path("a"));
+  EXPECT_EQ(files(), 2u);
+  first.write("first", 5);
+  second.write("2nd", 3);
+  second.commit();
+  EXPECT_EQ(read_file(path("a"), 10).size(), 3u);
+  first.commit();
+  EXPECT_EQ(read_file(path("a"), 10).size(), 5u);
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(Output, AnyNameOfAFileWillDo) {
+  const std::string longest(255, 'a');
+  AtomicFile file(path(longest));
+  file.write("newer", 5);
+  file.commit();
+  EXPECT_EQ(read_file(path(longest), 10).size(), 5u);
+}
+
+TEST_F(Output, AReplacedFileHandsOnItsPermissions) {
+  std::ofstream(path("a")) << "old";
+  fs::permissions(path("a"), fs::perms::owner_read | fs::perms::owner_write);
+  AtomicFile file(path("a"));
+  file.commit();
+  EXPECT_EQ(fs::status(path("a")).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+}
+
 TEST_F(Output, DevicesAreNotReplaced) { EXPECT_THROW(AtomicFile("/dev/null"), Error); }
 
 TEST_F(Output, DamagedExrFilesAreRefused) {
