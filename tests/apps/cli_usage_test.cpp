@@ -131,6 +131,9 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--threads", "1"},
                                                        {"--rays", "rays.txt"},
                                                        {"--all", ""},
+                                                       {"--occluded", ""},
+                                                       {"--window", "0.25,0.5"},
+                                                       {"--max-dist", "3"},
                                                        {"--json", ""}};
   write("rays.txt", "0 0 0 0 0 -1\n");
   const std::map<std::string, std::string> commands = {
