@@ -16,6 +16,7 @@
 #include "discrete/uneven_triangles.h"
 #include "discrete/uniform_runs.h"
 #include "kernels/ray_frame.h"
+#include "scene/working_scale.h"
 
 namespace kairos {
 
@@ -114,6 +115,7 @@ struct DiscreteScene::Impl {
   std::vector<std::unique_ptr<const UnevenTriangles>> uneven;
   DiscreteStats stats;
   std::shared_ptr<const CutOuts> cut_outs;
+  int exponent = 0;  // of the size of all of this: see working_exponent
 
   Impl(std::span<const Mesh> meshes, const DiscreteOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
@@ -234,6 +236,9 @@ struct DiscreteScene::Impl {
     }
   }
 
+  void intersect_all(std::span<const Ray> rays, std::span<const float> times,
+                     std::span<std::optional<DiscreteHit>> hits, DiscreteLayer layer) const;
+
   /// Denormals must be zero already.
   std::optional<DiscreteHit> intersect(const Ray& ray, float time, float max_dist, Facing facing) const {
     if (!usable(ray, time) || !(max_dist > 0)) return std::nullopt;
@@ -301,14 +306,24 @@ struct DiscreteScene::Impl {
   }
 };
 
-DiscreteScene::DiscreteScene(std::span<const Mesh> meshes, const DiscreteOptions& options)
-    : impl_(std::make_unique<Impl>(meshes, options)) {}
+DiscreteScene::DiscreteScene(std::span<const Mesh> meshes, const DiscreteOptions& options) {
+  const int exponent = working_exponent(meshes);
+  if (exponent == 0) {
+    impl_ = std::make_unique<Impl>(meshes, options);
+    return;
+  }
+  for (const Mesh& mesh : meshes) validate_mesh(mesh);
+  DiscreteOptions scaled = options;
+  scaled.cut_outs = scaled_cut_outs(options.cut_outs, exponent);
+  impl_ = std::make_unique<Impl>(scaled_copies(meshes, exponent), scaled);
+  impl_->exponent = exponent;
+}
 DiscreteScene::~DiscreteScene() = default;
 DiscreteScene::DiscreteScene(DiscreteScene&&) noexcept = default;
 DiscreteScene& DiscreteScene::operator=(DiscreteScene&&) noexcept = default;
 
 std::optional<DiscreteHit> DiscreteScene::intersect(const Ray& ray, float time, float max_dist, Facing facing) const {
-  const ScaledRay scaled(ray);  // before denormals become zero
+  const ScaledRay scaled(ray, impl_->exponent);  // before denormals become zero
   const float scaled_max = std::ldexp(max_dist, scaled.exponent);
   std::optional<DiscreteHit> hit;
   {
@@ -323,14 +338,21 @@ void DiscreteScene::intersect(std::span<const Ray> rays, std::span<const float> 
                               std::span<std::optional<DiscreteHit>> hits, DiscreteLayer layer) const {
   if (rays.size() != times.size() || rays.size() != hits.size())
     throw Error(ErrorCode::bad_usage, "DiscreteScene", "as many rays as times and hits are needed");
-  if (std::any_of(rays.begin(), rays.end(), [](const Ray& ray) { return ScaledRay(ray).exponent != 0; })) {
-    std::vector<Ray> scaled(rays.begin(), rays.end());
-    for (Ray& ray : scaled) ray = ScaledRay(ray).ray;
-    intersect(scaled, times, hits, layer);
+  if (impl_->exponent != 0 ||
+      std::any_of(rays.begin(), rays.end(), [](const Ray& ray) { return ScaledRay(ray).exponent != 0; })) {
+    std::vector<ScaledRay> scaled;
+    std::vector<Ray> scaled_rays;
+    for (const Ray& ray : rays) scaled_rays.push_back(scaled.emplace_back(ray, impl_->exponent).ray);
+    impl_->intersect_all(scaled_rays, times, hits, layer);
     for (size_t i = 0; i < rays.size(); ++i)
-      if (hits[i]) hits[i]->dist = ScaledRay(rays[i]).to_given(hits[i]->dist);
+      if (hits[i]) hits[i]->dist = scaled[i].to_given(hits[i]->dist);
     return;
   }
+  impl_->intersect_all(rays, times, hits, layer);
+}
+
+void DiscreteScene::Impl::intersect_all(std::span<const Ray> rays, std::span<const float> times,
+                                        std::span<std::optional<DiscreteHit>> hits, DiscreteLayer layer) const {
   const DenormalsAreZero guard;
   for (size_t i = 0; i < rays.size();) {
     const size_t left = rays.size() - i, count = std::min(left, left > kSmallPacket ? kLargePacket : kSmallPacket);
@@ -338,9 +360,9 @@ void DiscreteScene::intersect(std::span<const Ray> rays, std::span<const float> 
     const auto some_times = times.subspan(i, count);
     const auto some_hits = hits.subspan(i, count);
     if (count > kSmallPacket)
-      impl_->intersect_packet<LargePacket>(some_rays, some_times, some_hits, layer);
+      intersect_packet<LargePacket>(some_rays, some_times, some_hits, layer);
     else
-      impl_->intersect_packet<SmallPacket>(some_rays, some_times, some_hits, layer);
+      intersect_packet<SmallPacket>(some_rays, some_times, some_hits, layer);
     i += count;
   }
 }

@@ -39,18 +39,22 @@ struct RayFrame {
 
 /// A ray whose direction's largest component is between 2^-32 and 2^32, so that nothing computed with it over- or
 /// underflows: along it, distances are those along the given ray times 2^exponent. Scaling by a power of two changes no
-/// other bit. Most rays are left as they are.
+/// other bit. Most rays are left as they are. Geometry may be scaled, too: see working_exponent.
 struct ScaledRay {
   Ray ray;
   int exponent = 0;
 
   ScaledRay() = default;
-  explicit ScaledRay(const Ray& given) : ray(given) {
+  /// geometry: what is traced is 2^geometry times as large as what was given.
+  explicit ScaledRay(const Ray& given, int geometry = 0) : ray(given), exponent(geometry) {
+    if (geometry != 0)
+      for (int k = 0; k < 3; ++k) ray.origin[k] = std::ldexp(ray.origin[k], geometry);
     const float largest =
         std::max({std::abs(given.direction.x), std::abs(given.direction.y), std::abs(given.direction.z)});
     if ((largest >= 0x1p-32f && largest <= 0x1p32f) || !(largest > 0) || !std::isfinite(largest)) return;
-    exponent = std::ilogb(largest);
-    for (int k = 0; k < 3; ++k) ray.direction[k] = std::ldexp(ray.direction[k], -exponent);
+    const int length = std::ilogb(largest);
+    for (int k = 0; k < 3; ++k) ray.direction[k] = std::ldexp(ray.direction[k], -length);
+    exponent += length;
   }
 
   float to_given(float dist) const { return std::ldexp(dist, -exponent); }

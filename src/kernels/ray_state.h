@@ -91,9 +91,9 @@ struct RayState {
   /// Is the answer complete, whatever else is met?
   bool is_complete() const { return mode == RayMode::occluded && bins.reaching(0) == 0; }
 
-  void begin_ray(RayMode wanted, const TraceLimits& wanted_limits, uint32_t tree_depth, const Ray& traced,
+  void begin_ray(RayMode wanted, const TraceLimits& wanted_limits, uint32_t tree_depth, const ScaledRay& traced,
                  const CutOuts* missing, const uint8_t* only_fronts) {
-    scaled = ScaledRay(traced);
+    scaled = traced;
     cut_outs = missing;
     one_sided = only_fronts;
     mode = wanted;

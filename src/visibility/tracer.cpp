@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "kernels/dispatch.h"
 #include "kernels/ray_frame.h"
+#include "scene/working_scale.h"
 
 namespace kairos {
 
@@ -41,14 +42,16 @@ struct Tracer::Impl {
   CollectPacketHits collect_packet = nullptr;
   std::shared_ptr<const CutOuts> cut_outs;
   std::vector<uint8_t> one_sided;  // [mesh]; empty where none is
+  int exponent = 0;                // of the trees' size: see working_exponent
 
   void begin(RayState& state, RayMode mode, const TraceLimits& limits, const Ray& ray) const {
-    state.begin_ray(mode, limits, depth, ray, cut_outs.get(), one_sided.empty() ? nullptr : one_sided.data());
+    state.begin_ray(mode, limits, depth, ScaledRay(ray, exponent), cut_outs.get(),
+                    one_sided.empty() ? nullptr : one_sided.data());
   }
   void run(RayState& state, RayMode mode, const TraceLimits& limits, const Ray& ray) const {
     check(limits);
     begin(state, mode, limits, ray);
-    if (is_traceable(ray)) collect(accel, state.scaled.ray, state);
+    if (is_traceable(state.scaled.ray)) collect(accel, state.scaled.ray, state);
     state.end_ray();
   }
 };
@@ -81,7 +84,13 @@ Tracer::Tracer(std::span<const Mesh> meshes, const TracerOptions& options) : imp
   impl_->cut_outs = options.cut_outs;
   if (std::any_of(meshes.begin(), meshes.end(), [](const Mesh& mesh) { return mesh.one_sided; }))
     for (const Mesh& mesh : meshes) impl_->one_sided.push_back(mesh.one_sided ? 1 : 0);
-  impl_->accel = build_accel(meshes, options.moving_meshes_only);
+  impl_->exponent = working_exponent(meshes);
+  if (impl_->exponent == 0) {
+    impl_->accel = build_accel(meshes, options.moving_meshes_only);
+  } else {
+    impl_->accel = build_accel(scaled_copies(meshes, impl_->exponent), options.moving_meshes_only);
+    impl_->cut_outs = scaled_cut_outs(options.cut_outs, impl_->exponent);
+  }
   impl_->depth = impl_->accel.depth();
 }
 Tracer::~Tracer() = default;
@@ -114,15 +123,20 @@ std::span<const SeenByRay> Tracer::trace_packet(std::span<const Ray> rays, Visib
   for (size_t i = 0; i < rays.size(); ++i) {
     impl_->begin(states[i], mode_of(visibility), limits, rays[i]);
     if (!occluder_hints.empty()) states[i].add_occluder_hint(occluder_hints[i]);
-    together = together && is_traceable(rays[i]) && states[i].scaled.exponent == 0;
+    together = together && is_traceable(states[i].scaled.ray) && states[i].scaled.exponent == impl_->exponent;
   }
   std::optional<RayPacket> packet;
-  if (together && rays.size() > 1 && impl_->collect_packet != nullptr) packet = make_packet(rays);
+  if (together && rays.size() > 1 && impl_->collect_packet != nullptr) {
+    std::array<Ray, kMaxPacket> scaled;
+    if (impl_->exponent != 0)
+      for (size_t i = 0; i < rays.size(); ++i) scaled[i] = states[i].scaled.ray;
+    packet = make_packet(impl_->exponent == 0 ? rays : std::span<const Ray>(scaled).first(rays.size()));
+  }
   if (packet) {
     impl_->collect_packet(impl_->accel, *packet, used);
   } else {
     for (size_t i = 0; i < rays.size(); ++i)
-      if (is_traceable(rays[i])) impl_->collect(impl_->accel, states[i].scaled.ray, states[i]);
+      if (is_traceable(states[i].scaled.ray)) impl_->collect(impl_->accel, states[i].scaled.ray, states[i]);
   }
   for (size_t i = 0; i < rays.size(); ++i) {
     states[i].end_ray();

@@ -1,0 +1,99 @@
+#include "scene/working_scale.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "base/parallel.h"
+
+namespace kairos {
+
+namespace {
+
+/// Binary exponents of mean coordinates that are left as they are: a millimetre to ten kilometres, in metres.
+constexpr int64_t kLeastExponent = -10, kMostExponent = 14;
+constexpr int kMostScale = 126;  // the reciprocal of two to this power is still a float with all of its digits
+constexpr size_t kGrain = 1 << 16;
+
+struct ExponentSum {
+  int64_t sum = 0, count = 0;
+};
+
+ExponentSum exponents_of(std::span<const Vec3f> positions) {
+  ExponentSum exponents;
+  for (const Vec3f& p : positions) {
+    const float size = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    if (!(size > 0)) continue;
+    exponents.sum += std::ilogb(size);
+    ++exponents.count;
+  }
+  return exponents;
+}
+
+class ScaledCutOuts : public CutOuts {
+ public:
+  ScaledCutOuts(std::shared_ptr<const CutOuts> cut_outs, int exponent)
+      : cut_outs_(std::move(cut_outs)), back_(std::ldexp(1.0f, -exponent)) {}
+  bool has(uint32_t mesh) const override { return cut_outs_->has(mesh); }
+  bool is_blended(uint32_t mesh) const override { return cut_outs_->is_blended(mesh); }
+  bool solid(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const override {
+    return cut_outs_->solid(as_given(ray), mesh, triangle, time);
+  }
+  void solid_times(const Ray& ray, const Segment& hit, std::vector<float>& times) const override {
+    cut_outs_->solid_times(as_given(ray), hit, times);
+  }
+
+ private:
+  Ray as_given(const Ray& ray) const { return {ray.origin * back_, ray.direction}; }
+
+  std::shared_ptr<const CutOuts> cut_outs_;
+  float back_;
+};
+
+}  // namespace
+
+int working_exponent(std::span<const Mesh> meshes) {
+  ExponentSum all;
+  for (const Mesh& mesh : meshes)
+    for (const std::vector<Vec3f>& key : mesh.positions) {
+      std::vector<ExponentSum> pieces((key.size() + kGrain - 1) / kGrain);
+      parallel_for(pieces.size(), 1, [&](size_t first, size_t last) {
+        for (size_t i = first; i < last; ++i)
+          pieces[i] = exponents_of(std::span(key).subspan(i * kGrain, std::min(kGrain, key.size() - i * kGrain)));
+      });
+      for (const ExponentSum& piece : pieces) {
+        all.sum += piece.sum;
+        all.count += piece.count;
+      }
+    }
+  if (all.count == 0) return 0;
+  // Rounded down: the mean of a scene that is 2^k times as large is k more, exactly.
+  const int64_t mean = all.sum / all.count - (all.sum % all.count < 0 ? 1 : 0);
+  if (mean >= kLeastExponent && mean <= kMostExponent) return 0;
+  return static_cast<int>(std::clamp<int64_t>(-mean, -kMostScale, kMostScale));
+}
+
+std::vector<Mesh> scaled_copies(std::span<const Mesh> meshes, int exponent) {
+  const float scale = std::ldexp(1.0f, exponent);
+  std::vector<Mesh> copies;
+  copies.reserve(meshes.size());
+  for (const Mesh& mesh : meshes) {
+    Mesh& copy = copies.emplace_back(mesh);
+    copy.normals = {};
+    copy.uvs = {};
+    copy.prim_ids = {};
+    for (std::vector<Vec3f>& key : copy.positions)
+      parallel_for(key.size(), kGrain, [&](size_t first, size_t last) {
+        for (size_t v = first; v < last; ++v) key[v] = key[v] * scale;
+      });
+  }
+  return copies;
+}
+
+std::shared_ptr<const CutOuts> scaled_cut_outs(std::shared_ptr<const CutOuts> cut_outs, int exponent) {
+  if (!cut_outs) return nullptr;
+  return std::make_shared<const ScaledCutOuts>(std::move(cut_outs), exponent);
+}
+
+}  // namespace kairos
