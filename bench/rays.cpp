@@ -220,12 +220,13 @@ int run(int argc, char** argv) {
   app.add_flag("--tc-only", options.tc_only);
   CLI11_PARSE(app, argc, argv);
 
-  const ThreadLimit one_thread(1);
   Rows rows(options.csv);
-  const Shot shot = choice.make(false);
-  for (const std::string& note : shot.notes) print(note);
-  measure_builds(shot, options, rows);
-  measure_rays(shot, options, rows);
+  with_threads(1, [&] {
+    const Shot shot = choice.make(false);
+    for (const std::string& note : shot.notes) print(note);
+    measure_builds(shot, options, rows);
+    measure_rays(shot, options, rows);
+  });
   return 0;
 }
 

@@ -62,7 +62,8 @@ void report(const Options& options) {
   params.discrete_keys = options.keys;
   params.threads = 1;
   Renderer renderer(shot);
-  const MotionMask mask(shot, 0.5);
+  const Projection& frame = shot.projection;
+  const MotionMask mask(std::make_shared<const ScreenMotion>(shot, 0.5), Crop{0, frame.width, 0, frame.height});
   params.integrator = IntegratorKind::qmc;
   params.spp = options.reference_spp;
   params.seed = 1000001;

@@ -105,14 +105,15 @@ class Bench {
          renders(IntegratorKind::qmc, 4 * rays, 2));
     const auto builds = [&](bool tc, int threads) {
       return [this, tc, threads] {
-        const ThreadLimit limit(threads);
         return seconds_of(wall_seconds, [&] {
           TracerOptions options;
           options.precision = Precision::fast;
-          if (tc)
-            const Tracer tracer(shot_.meshes, options);
-          else
-            const DiscreteScene discrete(shot_.meshes);
+          with_threads(threads, [&] {
+            if (tc)
+              const Tracer tracer(shot_.meshes, options);
+            else
+              const DiscreteScene discrete(shot_.meshes);
+          });
         });
       };
     };

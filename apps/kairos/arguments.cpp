@@ -88,7 +88,8 @@ void add_scene_arguments(CLI::App& app, SceneArguments& out) {
                throw CLI::ValidationError("--motion-tolerance", "must be above 0 and at most 1e6");
              out.shot.motion_tolerance = v;
            });
-  add_count(app, "--threads", out.threads, 0, 1024, "Threads; 0: as many as the machine has");
+  add_count(app, "--threads", out.threads, 0, 1024, "Threads; 0: as many as the machine has")
+      ->each([&out](const std::string&) { out.load.threads = out.shot.threads = out.threads; });
 }
 
 void add_instruction_set(CLI::App& app, std::optional<InstructionSet>& out) {

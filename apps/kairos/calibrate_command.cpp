@@ -74,6 +74,7 @@ void add_calibrate_command(CLI::App& app, Action& chosen) {
   command.callback([arguments, &chosen] {
     arguments->scene.shot.textures = arguments->params.shading != ShadingKind::normal;
     arguments->scene.shot.strict = arguments->scene.load.strict;
+    arguments->params.threads = arguments->scene.threads;
     chosen = [arguments] { run_calibrate(*arguments); };
   });
 }

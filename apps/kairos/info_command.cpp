@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "arguments.h"
-#include "base/parallel.h"
 #include "commands.h"
 #include "report.h"
 #include "scene/scene.h"
@@ -97,7 +96,6 @@ void print_text(const Scene& scene, const Shot& shot, double seconds) {
 }
 
 void run_info(const InfoArguments& arguments) {
-  const ThreadLimit limit(arguments.scene.threads);
   const Stopwatch loading;
   const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
   const Shot shot = make_shot(*scene, arguments.scene.shot);

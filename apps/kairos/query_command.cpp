@@ -10,7 +10,6 @@
 #include <kairos/error.h>
 
 #include "arguments.h"
-#include "base/parallel.h"
 #include "commands.h"
 #include "ray_reader.h"
 #include "scene/scene.h"
@@ -29,6 +28,13 @@ struct QueryArguments {
   std::optional<InstructionSet> instruction_set;
 };
 
+TracerOptions options_of(const QueryArguments& arguments) {
+  TracerOptions options;
+  options.instruction_set = arguments.instruction_set;
+  options.threads = arguments.scene.threads;
+  return options;
+}
+
 // Writes the answers to rays, one line each.
 class Answerer {
  public:
@@ -37,7 +43,7 @@ class Answerer {
         visibility_(arguments.all ? Visibility::all : Visibility::visible),
         occluded_(arguments.occluded),
         limits_(arguments.limits),
-        tracer_(shot.meshes, {Precision::exact, arguments.instruction_set}) {
+        tracer_(shot.meshes, options_of(arguments)) {
     for (const Mesh& mesh : shot.meshes)
       names_.push_back(nlohmann::json(mesh.name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   }
@@ -132,7 +138,6 @@ void run_query(QueryArguments arguments) {
     file.open(arguments.rays, std::ios::binary);
     if (!file) throw Error(ErrorCode::io, arguments.rays, "cannot be opened for reading; check the name");
   }
-  const ThreadLimit limit(arguments.scene.threads);
   const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
   arguments.scene.shot.space = ShotOptions::Space::world;
   const Shot shot = make_shot(*scene, arguments.scene.shot);

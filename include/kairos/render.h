@@ -99,7 +99,8 @@ struct RenderParams {
   std::vector<Aov> aovs;
   std::optional<Crop> crop;  ///< unset: the whole frame; its pixels are those of the whole frame, bit for bit
   uint64_t seed = 0;
-  int threads = 0;                                ///< 0: as many as the machine has; no effect on the picture
+  int threads = 0;                                ///< 0: as many as the machine has; no effect on the picture.
+                                                  ///< Pictures rendered at the same time do not bind each other
   std::optional<InstructionSet> instruction_set;  ///< tc: unset: the best one
   /// automatic: what rays cost in this shot. Unset: estimated from how much work a few of them are. The picture depends
   /// on these numbers, and never on how long anything takes while it is rendered.
@@ -138,15 +139,17 @@ struct RenderStats {
   std::optional<InstructionSet> instruction_set;  ///< of the tc kernels; unset: discrete rays
 };
 
-/// Told the fraction done, 0 to 1, about twenty times a second from one rendering thread at a time. Returning false
-/// stops rendering.
+/// Told the fraction done, 0 to 1, by the thread that called: at once, about twenty times a second while other threads
+/// work, and with 1 at the end. Returning false stops rendering, within about a tenth of a second but for what Embree
+/// builds; so does an exception, which reaches the caller.
 using Progress = std::function<bool(double fraction)>;
 
 /// Renders a shot again and again: what is expensive is made once, when a picture first needs it, and kept. A picture
 /// does not depend on those before it.
 class Renderer {
  public:
-  /// The shot, in camera space, must outlive the renderer.
+  /// The shot, in camera space, must outlive the renderer and not change. Throws Error(bad_input) when it breaks an
+  /// invariant: everything behind this door relies on them.
   explicit Renderer(const Shot& shot);
   explicit Renderer(Shot&& shot) = delete;
   ~Renderer();

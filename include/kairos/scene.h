@@ -79,6 +79,7 @@ struct LoadOptions {
   std::string animation;   ///< name or index of a glTF animation; empty: the first; "none": rest pose
   std::string gltf_scene;  ///< name or index of a glTF scene; empty: the default one
   bool strict = false;     ///< a bad triangle or an unsupported feature is an error, not a warning
+  int threads = 0;         ///< 0: as many as the machine has; no effect on the scene
 };
 
 /// A scene over all of its time: meshes with motion of any kind, cameras, materials. Made by load_scene; opaque here,
@@ -107,11 +108,12 @@ struct ShotOptions {
   Space space = Space::camera;
   std::string camera;                ///< name or index; empty: the scene's first, or one that frames everything
   std::optional<double> frame, fps;  ///< shutter times below are (frame + open) / fps when any of these is given
-  std::optional<std::array<double, 2>> shutter;  ///< open, close, in frames
+  std::optional<std::array<double, 2>> shutter;  ///< open <= close, in frames; equal: a still frame
   int width = 0, height = 0;                     ///< 0: the scene's own, else 960x540
   bool textures = true;           ///< read all pictures; otherwise only those that say where surfaces are missing
   double motion_tolerance = 0.1;  ///< pixels: how far linear motion between keys may leave a vertex's true path
   bool strict = false;            ///< a bad triangle or picture is an error, not a note
+  int threads = 0;                ///< 0: as many as the machine has; no effect on the shot
 };
 
 class Texture;
@@ -124,6 +126,10 @@ struct MaterialTextures {
 
 /// One opening of the shutter: every motion as linear motion between keys, in one space. What accelerators are built
 /// from.
+///
+/// Invariants (validate_shot checks them): meshes are valid (see Mesh); mesh.material is below materials.size(), where
+/// there are materials at all; textures and light_textures are empty or as many as there are materials and lights; what
+/// materials, lights, the background and the projection say in numbers is finite, and the projection shows something.
 struct Shot {
   std::vector<Mesh> meshes;
   std::vector<Material> materials;
@@ -132,7 +138,7 @@ struct Shot {
   std::vector<std::shared_ptr<const Texture>> light_textures;  ///< [light], or empty; null for lights without one
   Vec3f background;
   Projection projection;
-  double shutter_open = 0, shutter_close = 1;  ///< scene time
+  double shutter_open = 0, shutter_close = 1;  ///< scene time; equal for a still frame
   /// Rotation camera space -> world space (columns) at a shutter time, for normals; identity columns in world space.
   std::function<std::array<Vec3d, 3>(double time)> world_from_camera;
   std::function<Vec3d(double time)> camera_position;  ///< in world space; zero in world space
@@ -141,6 +147,9 @@ struct Shot {
       warnings;  ///< one line each: what loading the scene left out or took otherwise than the file says
   std::vector<std::string> notes;  ///< one line each, for the log: keys chosen, triangles dropped, textures left out
 };
+
+/// Throws Error(bad_input) that names the first broken invariant of a shot.
+void validate_shot(const Shot& shot);
 
 /// Throws Error(bad_usage) for a camera that does not exist or times that make no sense, Error(bad_input) for a camera
 /// or a mesh that cannot be used.

@@ -101,6 +101,7 @@ struct TracerOptions {
   std::optional<InstructionSet> instruction_set;      ///< unset: the best one
   std::shared_ptr<const CutOuts> cut_outs = nullptr;  ///< null: all surfaces are whole
   bool moving_meshes_only = false;  ///< leave out meshes with a single key: the caller knows what rays see of them
+  int threads = 0;                  ///< that build trees and trace many rays; 0: as many as the machine has
 };
 
 /// Segments of many rays: those of ray i are segments[offsets[i]] to segments[offsets[i + 1]].

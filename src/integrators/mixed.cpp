@@ -13,6 +13,7 @@
 #include "discrete/discrete_scene.h"
 #include "integrators/contrast.h"
 #include "integrators/discrete_samples.h"
+#include "integrators/frame_plan.h"
 #include "integrators/integrator.h"
 #include "integrators/packet_choice.h"
 #include "integrators/still_layer.h"
@@ -35,7 +36,7 @@ bool has_still_blended(const Shot& shot, const Shader& shader) {
 
 /// Pixels in which the picture is looked at beforehand, for where samples are needed: it takes
 /// about a hundredth of the time.
-constexpr uint64_t kPixelsPerLook = 64, kLeastLooks = 128, kMostLooks = 4096;
+constexpr uint64_t kPixelsPerLook = 64, kLeastLooks = 128, kMostLooks = kMostLookPixels;
 /// In smaller pictures than this it would be more than a twentieth.
 constexpr uint64_t kLeastPixels = 10 * kLeastLooks;
 constexpr size_t kLeastLooksSeen = 16;  // fewer say nothing of the picture
@@ -52,35 +53,52 @@ class MixedIntegrator : public Integrator {
         budget_(static_cast<uint32_t>(std::max(params.spp, automatic_ ? 1 : params.tc_rays))),
         fixed_plan_{static_cast<uint32_t>(params.tc_rays), budget_},
         shading_(shading_options(params)),
-        mask_(parts.motion_mask(context.filter.radius())),
+        mask_(parts.motion_mask(context.filter.radius(), params.crop)),
         scene_(parts.discrete(params.discrete_keys)),
         occluder_hints_(!has_still_blended(shot_, context.shader)),
-        tracer_(parts.tracer(params.instruction_set, occluder_hints_)) {
+        tracer_(parts.tracer(params.instruction_set, occluder_hints_)),
+        parts_(parts),
+        key_(plan_key(params)) {
     const bool anything_still =
         std::any_of(shot_.meshes.begin(), shot_.meshes.end(), [](const Mesh& mesh) { return mesh.is_static(); });
     still_layer_is_empty_ = !anything_still && !context.shader.has_sky();
+    if (const FramePlan* plan = parts.find_plan(key_)) {
+      frame_ = *plan;
+      known_ = true;
+      return;
+    }
     if (mask_.empty()) return;
-    packets_ = choose_packets(context, shot_.projection, tracer_);
+    frame_.packets = choose_packets(context, shot_.projection, tracer_);
     if (!automatic_) return;
     if (params.calibration) {
-      prices_ = prices_of(*params.calibration);
+      frame_.prices = prices_of(*params.calibration);
     } else {
       const RayWork work = sample_ray_work(context, shot_, mask_, tracer_, shading_);
-      prices_ = estimate_prices(work, mean_key_spans(shot_), anything_still, params.shading);
+      frame_.prices = estimate_prices(work, mean_key_spans(shot_), anything_still, params.shading);
     }
-    allotment_ = Allotment(budget_, prices_);
+    frame_.allotment = Allotment(budget_, frame_.prices);
   }
 
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<MixedWorker>(*this); }
 
   void prepare(Monitor& monitor, RenderStats& stats) override {
-    if (automatic_ && !mask_.empty()) stats.prices = prices_;
+    if (automatic_ && !mask_.empty()) stats.prices = frame_.prices;
+    if (known_) return;
+    look_around(monitor, stats);
+    parts_.keep_plan(key_, frame_);
+  }
+
+  const Tracer& tracer() const { return tracer_; }
+
+ private:
+  /// Looks at pixels all over the frame, for where samples are needed.
+  void look_around(Monitor& monitor, RenderStats& stats) {
     if (!spreads_samples(params_)) return;
     const Projection& frame = shot_.projection;
     const uint64_t pixels = static_cast<uint64_t>(frame.width) * static_cast<uint64_t>(frame.height);
     if (pixels < kLeastPixels) return;
     const auto count = static_cast<uint32_t>(std::clamp<uint64_t>(pixels / kPixelsPerLook, kLeastLooks, kMostLooks));
-    const Sampler places(SamplerKind::owen_sobol, count, 0);
+    const std::vector<LookPixel> places = look_pixels(frame);
     struct Look {
       PixelLook pixel;
       int x = 0, y = 0;
@@ -91,10 +109,9 @@ class MixedIntegrator : public Integrator {
     parallel_for(count, kLooksPerTask, [&](size_t begin, size_t end) {
       MixedWorker worker(*this);
       for (size_t i = begin; i < end; ++i) {
-        const SamplePoint place = places.point(places.pixel(0, 0), static_cast<uint32_t>(i));
         Look& look = looks[i];
-        look.x = static_cast<int>(place.x * static_cast<float>(frame.width));
-        look.y = static_cast<int>(place.y * static_cast<float>(frame.height));
+        look.x = places[i].x;
+        look.y = places[i].y;
         look.tc_possible = worker.begin_pixel(look.x, look.y, monitor).tc_rays > 0;
         look.pixel = worker.look_at(look.x, look.y, monitor);
       }
@@ -110,25 +127,23 @@ class MixedIntegrator : public Integrator {
     }
     const uint32_t first = first_samples(budget_), most = most_samples(budget_);
     if (automatic_)
-      allotment_ = Allotment(budget_, prices_, SampleSpread(first, most, budget_, all).gain(budget_, rivals));
+      frame_.allotment =
+          Allotment(budget_, frame_.prices, SampleSpread(first, most, budget_, all).gain(budget_, rivals));
     for (const Look& look : looks)
       if (!look.tc_possible || plan(look.x, look.y).tc_rays == 0) discrete.push_back(look.pixel);
-    if (discrete.size() >= kLeastLooksSeen) spread_.emplace(first, most, budget_, discrete);
+    if (discrete.size() >= kLeastLooksSeen) frame_.spread.emplace(first, most, budget_, discrete);
   }
 
-  const Tracer& tracer() const { return tracer_; }
-
- private:
   /// For a pixel in which things move.
   PixelPlan plan(int x, int y) const {
     if (!automatic_) return fixed_plan_;
     if (!still_layer_is_empty_ && budget_ < kLeastForStill) return {0, budget_};
-    return allotment_.plan(mask_.speed(x, y), dither(x, y));
+    return frame_.allotment.plan(mask_.speed(x, y), dither(x, y));
   }
 
   /// Of a discrete sample, where nothing moves and where something does.
   double sample_price(DiscreteLayer layer) const {
-    return layer == DiscreteLayer::all ? 1 : std::clamp(prices_.still_ray, kLeastPrice, 1.0);
+    return layer == DiscreteLayer::all ? 1 : std::clamp(frame_.prices.still_ray, kLeastPrice, 1.0);
   }
 
   class MixedWorker : public Worker {
@@ -205,7 +220,7 @@ class MixedIntegrator : public Integrator {
 
     /// Discrete samples over pixel and shutter: as many as the pixel needs, each time twice what there are.
     void render_discrete(int x, int y, const Sampler::Pixel& pixel, DiscreteLayer layer, Monitor& monitor) {
-      const std::optional<SampleSpread>& spread = integrator_.spread_;
+      const std::optional<SampleSpread>& spread = integrator_.frame_.spread;
       if (!spread) return samples_.take(x, y, pixel, 0, integrator_.budget_, layer, record_, monitor);
       contrast_.begin_pixel();
       uint32_t taken = first_samples(integrator_.budget_);
@@ -233,7 +248,7 @@ class MixedIntegrator : public Integrator {
         if (integrator_.occluder_hints_) occluder_hints = still_layer_.occluder_hints(begin, size, monitor);
         const std::span<const Ray> rays = std::span(batch_).first(size);
         const auto seen = integrator_.tracer_.trace_packet(rays, Visibility::visible, workspace_, occluder_hints,
-                                                           integrator_.packets_.together(plan.tc_rays));
+                                                           integrator_.frame_.packets.together(plan.tc_rays));
         ends_.clear();
         uint32_t first = record_.part_count();
         shading_.shade({rays, seen, std::span(times_).first(size), pixel.seed, begin}, record_, ends_);
@@ -318,19 +333,19 @@ class MixedIntegrator : public Integrator {
   const Shot& shot_;
   const PixelContext& context_;
   RenderParams params_;
-  bool automatic_;                      // plan per pixel
-  uint32_t budget_;                     // samples of a pixel
-  PixelPlan fixed_plan_;                // else
-  Allotment allotment_{1, {}};          // of the budget, where things move
-  std::optional<SampleSpread> spread_;  // of pixels with discrete samples alone; unset: all get the budget
+  bool automatic_;        // plan per pixel
+  uint32_t budget_;       // samples of a pixel
+  PixelPlan fixed_plan_;  // else
   ShadingOptions shading_;
   const MotionMask& mask_;
   const DiscreteScene& scene_;
   bool occluder_hints_;  // are still rays traced first, as occluder hints?
   const Tracer& tracer_;
   bool still_layer_is_empty_ = false;  // but for a background that is the same everywhere
-  PacketChoice packets_;
-  RayPrices prices_;
+  ShotParts& parts_;
+  PlanKey key_;
+  FramePlan frame_;
+  bool known_ = false;  // from an earlier picture
 };
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include "integrators/frame_plan.h"
+
 namespace kairos {
 
 ShotParts::ShotParts(const Shot& shot) : shot_(shot) {}
@@ -57,9 +59,47 @@ std::shared_ptr<const DiscreteScene> ShotParts::shared_discrete(int keys) {
 
 const DiscreteScene& ShotParts::discrete(int keys) { return *shared_discrete(keys); }
 
-const MotionMask& ShotParts::motion_mask(double margin) {
-  return use(masks_[margin], &BuildSeconds::motion_mask,
-             [&] { return std::make_shared<const MotionMask>(shot_, margin); });
+const MotionMask& ShotParts::motion_mask(double margin, const std::optional<Crop>& crop) {
+  const Projection& frame = shot_.projection;
+  const Crop asked = crop.value_or(Crop{0, frame.width, 0, frame.height});
+  Timed<ScreenMotion>& motion = motions_[margin];
+  use(motion, &BuildSeconds::motion_mask, [&] { return std::make_shared<const ScreenMotion>(shot_, margin); });
+  const auto holds = [](const Crop& a, const Crop& b) {
+    return a.x0 <= b.x0 && b.x1 <= a.x1 && a.y0 <= b.y0 && b.y1 <= a.y1;
+  };
+  if (margin != mask_margin_ || !mask_.part || !holds(mask_.part->part(), asked)) {
+    mask_ = {};  // one is kept at a time: they may be large
+    mask_margin_ = margin;
+  }
+  const auto before = [](int pixel) { return pixel / kMaskGrid * kMaskGrid; };
+  const auto after = [&](int pixel, int end) { return std::min(before(pixel + kMaskGrid - 1), end); };
+  const double motion_seconds = used_.motion_mask;
+  const MotionMask& mask = use(mask_, &BuildSeconds::motion_mask, [&] {
+    return std::make_shared<const MotionMask>(motion.part, Crop{before(asked.x0), after(asked.x1, frame.width),
+                                                                before(asked.y0), after(asked.y1, frame.height)});
+  });
+  used_.motion_mask += motion_seconds;
+  return mask;
+}
+
+PlanKey plan_key(const RenderParams& p) {
+  static_assert(Calibration::kRays.size() == 3);
+  std::optional<std::array<double, 5>> calibration;
+  if (const auto& c = p.calibration)
+    calibration = {c->discrete_sample, c->still_ray, c->tc_ray[0], c->tc_ray[1], c->tc_ray[2]};
+  return {p.integrator, p.tc_rays, p.shading_samples, p.clusters,  p.spp,          p.sampler, p.shading, p.max_depth,
+          p.filter,     p.seed,    p.instruction_set, calibration, p.discrete_keys};
+}
+
+const FramePlan* ShotParts::find_plan(const PlanKey& key) const {
+  const auto at = std::find_if(plans_.begin(), plans_.end(), [&](const auto& entry) { return entry.first == key; });
+  return at == plans_.end() ? nullptr : at->second.get();
+}
+
+void ShotParts::keep_plan(const PlanKey& key, const FramePlan& plan) {
+  constexpr size_t kMostPlans = 16;
+  if (plans_.size() == kMostPlans) plans_.pop_front();
+  plans_.emplace_back(key, std::make_shared<const FramePlan>(plan));
 }
 
 BuildSeconds ShotParts::take_build_seconds() { return std::exchange(used_, {}); }

@@ -1,6 +1,8 @@
 // What is expensive to make of a shot, and the same for many pictures of it.
 #pragma once
 
+#include <array>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,9 +14,17 @@
 
 #include "discrete/discrete_scene.h"
 #include "motion/motion_mask.h"
+#include "motion/screen_motion.h"
 #include "shading/shader.h"
 
 namespace kairos {
+
+struct FramePlan;
+
+/// Everything of a picture's parameters that a FramePlan depends on; so not its crop, channels or threads.
+using PlanKey = std::tuple<IntegratorKind, int, int, Clusters, int, SamplerKind, ShadingKind, int, FilterKind, uint64_t,
+                           std::optional<InstructionSet>, std::optional<std::array<double, 5>>, int>;
+PlanKey plan_key(const RenderParams& params);
 
 /// Each part is made when it is first asked for. Reads the shot, which must outlive it. Not to be used from two threads
 /// at once; what it hands out may be.
@@ -30,8 +40,14 @@ class ShotParts {
   /// moving_meshes_only: see TracerOptions; the same as without where nothing stands still.
   const Tracer& tracer(std::optional<InstructionSet> instruction_set, bool moving_meshes_only = false);
   const DiscreteScene& discrete(int keys);
-  /// margin: see MotionMask.
-  const MotionMask& motion_mask(double margin);
+  /// margin: see ScreenMotion. crop: the part of the frame that will be asked for; unset: all of it. Valid until
+  /// another part or margin is asked for.
+  const MotionMask& motion_mask(double margin, const std::optional<Crop>& crop);
+
+  /// What was kept for pictures of these parameters; null for nothing.
+  const FramePlan* find_plan(const PlanKey& key) const;
+  /// Of the last few pictures of different parameters.
+  void keep_plan(const PlanKey& key, const FramePlan& plan);
 
   /// The sum over what has been handed out since the last call, each counted once, of the time it took to make it, even
   /// if that was long ago.
@@ -55,7 +71,12 @@ class ShotParts {
   std::map<std::pair<std::optional<InstructionSet>, bool>, Timed<Tracer>> tracers_;
   Timed<DiscreteScene> discrete_;
   int discrete_keys_ = 0;
-  std::map<double, Timed<MotionMask>> masks_;
+  std::map<double, Timed<ScreenMotion>> motions_;  // by margin
+  /// Masks are made for whole squares of so many pixels, so that small crops next to each other share one.
+  static constexpr int kMaskGrid = 256;
+  Timed<MotionMask> mask_;
+  double mask_margin_ = 0;
+  std::deque<std::pair<PlanKey, std::shared_ptr<const FramePlan>>> plans_;
   BuildSeconds used_;
 };
 

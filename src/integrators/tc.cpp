@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "integrators/frame_plan.h"
 #include "integrators/integrator.h"
 #include "integrators/packet_choice.h"
 #include "motion/aligned_points.h"
@@ -14,13 +15,9 @@ namespace {
 class TcIntegrator : public Integrator {
  public:
   /// mask: null to leave the points of a pixel where they are.
-  TcIntegrator(const Shot& shot, const MotionMask* mask, const Tracer& tracer, ShadingOptions shading,
+  TcIntegrator(PacketChoice packets, const MotionMask* mask, const Tracer& tracer, ShadingOptions shading,
                const PixelContext& context)
-      : context_(context),
-        shading_(shading),
-        mask_(mask),
-        tracer_(tracer),
-        packets_(choose_packets(context, shot.projection, tracer)) {}
+      : context_(context), shading_(shading), mask_(mask), tracer_(tracer), packets_(packets) {}
 
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<TcWorker>(*this); }
 
@@ -100,9 +97,17 @@ std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderPar
   const Tracer& tracer = parts.tracer(params.instruction_set);
   stats.instruction_set = tracer.instruction_set();
   stats.accel_memory_bytes = tracer.memory_bytes();
+  const PlanKey key = plan_key(params);
+  if (parts.find_plan(key) == nullptr) {
+    FramePlan plan;
+    plan.packets = choose_packets(context, parts.shot().projection, tracer);
+    parts.keep_plan(key, plan);
+  }
+  const PacketChoice packets = parts.find_plan(key)->packets;
   // A single ray is nowhere better than anywhere else.
-  const MotionMask* mask = context.sampler.count() > 1 ? &parts.motion_mask(context.filter.radius()) : nullptr;
-  return std::make_unique<TcIntegrator>(parts.shot(), mask, tracer, shading_options(params), context);
+  const MotionMask* mask =
+      context.sampler.count() > 1 ? &parts.motion_mask(context.filter.radius(), params.crop) : nullptr;
+  return std::make_unique<TcIntegrator>(packets, mask, tracer, shading_options(params), context);
 }
 
 }  // namespace kairos

@@ -43,14 +43,13 @@ constexpr std::array<double, Calibration::kRays.size()> kFewAreDearer{2.8, 2.0, 
 
 constexpr int kPixels = 64;                     // looked at
 constexpr uint32_t kRays = Tracer::kMaxPacket;  // in each
-constexpr int kTries = 4 * kPixels;             // at most, to find pixels in which something moves
+constexpr uint32_t kTries = kLeastLookPixels;   // at most, to find pixels in which something moves
 
 }  // namespace
 
 RayWork sample_ray_work(const PixelContext& context, const Shot& shot, const MotionMask& mask, const Tracer& tracer,
                         ShadingOptions options) {
-  const Sampler sampler(SamplerKind::owen_sobol, kTries, 0);
-  const Sampler::Pixel place = sampler.pixel(0, 0);
+  const std::vector<LookPixel> places = look_pixels(shot.projection);
   Tracer::Workspace workspace;
   PacketShading shading(context.shader, options);
   RecordBuilder shaded;
@@ -60,9 +59,7 @@ RayWork sample_ray_work(const PixelContext& context, const Shot& shot, const Mot
   std::array<Ray, kRays> rays;
   int pixels = 0;
   for (uint32_t i = 0; i < kTries && pixels < kPixels; ++i) {
-    const SamplePoint point = sampler.point(place, i);
-    const int x = static_cast<int>(point.x * static_cast<float>(shot.projection.width));
-    const int y = static_cast<int>(point.y * static_cast<float>(shot.projection.height));
+    const auto [x, y] = places[i];
     if (!mask.moves(x, y)) continue;
     ++pixels;
     const Sampler::Pixel pixel = context.sampler.pixel(x, y);

@@ -9,6 +9,7 @@
 #include <kairos/error.h>
 #include <kairos/picture.h>
 
+#include "render/bands.h"
 #include "shading/spread.h"
 
 namespace kairos {
@@ -17,10 +18,12 @@ namespace {
 
 /// Pixels are taken in squares, as a picture is rendered tile by tile: what is next to each other is in the caches.
 constexpr int kSquare = 4;
-constexpr size_t kSquares = 64;                          // to be measured
-constexpr uint32_t kTries = 4 * kSquares;                // at most, to find squares in which something moves
-constexpr int kRounds = 9;                               // of which medians are taken
-constexpr double kShortest = 2e-3;                       // seconds: clocks tick
+constexpr size_t kSquares = 64;            // to be measured
+constexpr uint32_t kTries = 4 * kSquares;  // at most, to find squares in which something moves
+constexpr size_t kWays = 3 + Calibration::kRays.size();
+constexpr int kRounds = static_cast<int>(kMeasuringSteps / kWays) -
+                        1;          // after a first one                            // of which medians are taken
+constexpr double kShortest = 2e-3;  // seconds: clocks tick
 constexpr int kDiscreteSamples = 64, kFewStillRays = 4;  // in a pixel
 
 /// Processor time of this thread.
@@ -37,24 +40,25 @@ double median(std::vector<double> values) {
 
 using Pixels = std::vector<std::pair<int, int>>;
 
-/// Pixels in which something moves, spread over the frame.
-Pixels moving_pixels(const MotionMask& mask, const Projection& frame) {
+/// Pixels in which something moves, spread over a part of the frame.
+Pixels moving_pixels(const MotionMask& mask, const Crop& part) {
+  const int width = part.x1 - part.x0, height = part.y1 - part.y0;
   Pixels pixels;
   const Sampler places(SamplerKind::owen_sobol, kTries, 0);
   const auto add_square = [&](int left, int top) {
-    for (int y = top; y < std::min(top + kSquare, frame.height); ++y)
-      for (int x = left; x < std::min(left + kSquare, frame.width); ++x)
+    for (int y = top; y < std::min(top + kSquare, part.y1); ++y)
+      for (int x = left; x < std::min(left + kSquare, part.x1); ++x)
         if (mask.moves(x, y)) pixels.emplace_back(x, y);
   };
   for (uint32_t i = 0; i < kTries && pixels.size() < kSquares * kSquare * kSquare; ++i) {
     const SamplePoint place = places.point(places.pixel(0, 0), i);
-    add_square(static_cast<int>(place.x * static_cast<float>(frame.width)),
-               static_cast<int>(place.y * static_cast<float>(frame.height)));
+    add_square(part.x0 + static_cast<int>(place.x * static_cast<float>(width)),
+               part.y0 + static_cast<int>(place.y * static_cast<float>(height)));
   }
   // A small figure is easily missed: whatever moves, in the order of the picture.
   const size_t enough = kSquares * kSquare;
-  for (int y = 0; y < frame.height && pixels.size() < enough; ++y)
-    for (int x = 0; x < frame.width && pixels.size() < enough; ++x)
+  for (int y = part.y0; y < part.y1 && pixels.size() < enough; ++y)
+    for (int x = part.x0; x < part.x1 && pixels.size() < enough; ++x)
       if (mask.moves(x, y)) pixels.emplace_back(x, y);
   return pixels;
 }
@@ -102,9 +106,15 @@ class Way {
 
 }  // namespace
 
-Calibration measure_rays(ShotParts& parts, const RenderParams& params, const Progress& progress) {
-  const MotionMask& mask = parts.motion_mask(PixelFilter(params.filter).radius());
-  const Pixels pixels = moving_pixels(mask, parts.shot().projection);
+Calibration measure_rays(ShotParts& parts, const RenderParams& params, Monitor& monitor) {
+  const Projection& frame = parts.shot().projection;
+  Crop part;  // the first in which anything moves: of all but huge frames the whole
+  Pixels pixels;
+  for (const Crop& band : bands_of({0, frame.width, 0, frame.height})) {
+    part = band;
+    pixels = moving_pixels(parts.motion_mask(PixelFilter(params.filter).radius(), part), part);
+    if (!pixels.empty()) break;
+  }
   if (pixels.empty())
     throw Error(ErrorCode::bad_input, "",
                 "nothing moves relative to the camera in this picture, so there are no rays to choose between; render "
@@ -113,6 +123,7 @@ Calibration measure_rays(ShotParts& parts, const RenderParams& params, const Pro
                                       shading_options(params).clusters == Clusters::pixel);
   const auto params_of = [&](IntegratorKind kind, int tc_rays, int spp) {
     RenderParams result = params;
+    result.crop = part;
     result.sampler = SamplerKind::owen_sobol;
     result.integrator = kind;
     result.tc_rays = tc_rays;
@@ -127,7 +138,6 @@ Calibration measure_rays(ShotParts& parts, const RenderParams& params, const Pro
     ways.emplace_back(parts, params_of(IntegratorKind::mixed, rays, rays), shader, pixels);
 
   // Interleaved: what else the machine does is to fall on all alike.
-  Monitor monitor(progress, static_cast<uint64_t>(kRounds + 1) * ways.size());
   for (int round = 0; round <= kRounds; ++round)
     for (Way& way : ways) {
       way.run(monitor);

@@ -4,6 +4,7 @@
 #include <ctime>
 #include <mutex>
 
+#include <kairos/error.h>
 #include <kairos/picture.h>
 #include <kairos/render.h>
 #include <kairos/version.h>
@@ -14,6 +15,7 @@
 #include "integrators/shot_parts.h"
 #include "policy/ray_prices.h"
 #include "policy/sample_spread.h"
+#include "render/bands.h"
 #include "render/measure_rays.h"
 #include "render/names.h"
 #include "shading/spread.h"
@@ -140,11 +142,6 @@ std::string calibration_text(const std::optional<Calibration>& calibration) {
 
 }  // namespace
 
-Renderer::Renderer(const Shot& shot) : parts_(std::make_unique<ShotParts>(shot)) {}
-Renderer::~Renderer() = default;
-Renderer::Renderer(Renderer&&) noexcept = default;
-Renderer& Renderer::operator=(Renderer&&) noexcept = default;
-
 void describe(Image& image, const Shot& shot, const RenderParams& params, const RenderStats& stats) {
   const auto put = [&](const char* name, auto value) { image.attributes.push_back({name, value}); };
   put("kairos:version", std::string(version()));
@@ -171,22 +168,25 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
   }
 }
 
-void Renderer::render(const RenderParams& params, std::span<PixelConsumer* const> consumers, RenderStats* stats_out,
-                      const Progress& progress) {
-  const Shot& shot = parts_->shot();
-  const Crop crop = params.crop.value_or(Crop{0, shot.projection.width, 0, shot.projection.height});
-  check(shot.projection, params, crop);
-  RecordNeeds needs;
-  for (const PixelConsumer* consumer : consumers) needs = needs | consumer->needs();
-  check(params, needs);
+Renderer::Renderer(const Shot& shot) {
+  validate_shot(shot);
+  parts_ = std::make_unique<ShotParts>(shot);
+}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
-  const ThreadLimit limit(params.threads);
-  RenderStats stats;
+namespace {
+
+/// Renders on the threads that are here.
+void render_here(ShotParts& parts, const RenderParams& params, const Crop& crop, const RecordNeeds& needs,
+                 std::span<PixelConsumer* const> consumers, Monitor& monitor, RenderStats& stats) {
+  const Shot& shot = parts.shot();
   stats.threads = thread_count();
   const bool want_variation =
       params.integrator != IntegratorKind::qmc && shading_options(params).clusters == Clusters::pixel;
   const Shader& shader =
-      parts_->shader(params.shading, needs.normal, params.max_depth, params.discrete_keys, want_variation);
+      parts.shader(params.shading, needs.normal, params.max_depth, params.discrete_keys, want_variation);
   auto start = std::chrono::steady_clock::now();
   const PixelContext context{CameraRays(shot.projection),
                              Sampler(params.sampler, point_count(params), params.seed),
@@ -194,22 +194,50 @@ void Renderer::render(const RenderParams& params, std::span<PixelConsumer* const
                              shader,
                              shot.background,
                              needs};
-  const double own_seconds = seconds_since(start);  // of this picture alone
-  const auto integrator = make_integrator(*parts_, params, context, stats);
-  stats.parts = parts_->take_build_seconds();
-  stats.build_seconds = stats.parts.sum() + own_seconds;
+  stats.build_seconds = seconds_since(start);  // of this picture alone
+  for (const Crop& band : bands_of(crop)) {
+    RenderParams of_band = params;
+    of_band.crop = band;
+    const auto integrator = make_integrator(parts, of_band, context, stats);
+    const double masks_before = stats.parts.motion_mask;
+    stats.parts = parts.take_build_seconds();
+    stats.parts.motion_mask += masks_before;  // each band has one of its own
 
-  start = std::chrono::steady_clock::now();
-  const std::clock_t cpu_start = std::clock();
-  const auto cpu_seconds = [&] { return static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC; };
-  Monitor monitor(progress, static_cast<uint64_t>(crop.x1 - crop.x0) * static_cast<uint64_t>(crop.y1 - crop.y0));
-  integrator->prepare(monitor, stats);
-  stats.prepare_seconds = seconds_since(start);
-  stats.prepare_cpu_seconds = cpu_seconds();
-  render_tiles(*integrator, consumers, crop, monitor, stats);
-  monitor.finish();
-  stats.render_seconds = seconds_since(start);
-  stats.render_cpu_seconds = cpu_seconds();
+    start = std::chrono::steady_clock::now();
+    const std::clock_t cpu_start = std::clock();
+    const auto cpu_seconds = [&] { return static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC; };
+    integrator->prepare(monitor, stats);
+    stats.prepare_seconds += seconds_since(start);
+    stats.prepare_cpu_seconds += cpu_seconds();
+    render_tiles(*integrator, consumers, band, monitor, stats);
+    stats.render_seconds += seconds_since(start);
+    stats.render_cpu_seconds += cpu_seconds();
+  }
+  stats.build_seconds += stats.parts.sum();
+}
+
+/// Calls `work` on `threads` threads, and `progress` on this one.
+void run_with_progress(int threads, const Monitor& monitor, const Progress& progress,
+                       const std::function<void()>& work) {
+  if (!progress) return with_threads(threads, work);
+  with_threads(threads, work, [&] { return progress(monitor.fraction()); });
+  if (!progress(1)) throw Error(ErrorCode::cancelled, "", "rendering was stopped");
+}
+
+}  // namespace
+
+void Renderer::render(const RenderParams& params, std::span<PixelConsumer* const> consumers, RenderStats* stats_out,
+                      const Progress& progress) {
+  const Projection& frame = parts_->shot().projection;
+  const Crop crop = params.crop.value_or(Crop{0, frame.width, 0, frame.height});
+  check(frame, params, crop);
+  RecordNeeds needs;
+  for (const PixelConsumer* consumer : consumers) needs = needs | consumer->needs();
+  check(params, needs);
+  Monitor monitor(static_cast<uint64_t>(crop.x1 - crop.x0) * static_cast<uint64_t>(crop.y1 - crop.y0));
+  RenderStats stats;
+  run_with_progress(params.threads, monitor, progress,
+                    [&] { render_here(*parts_, params, crop, needs, consumers, monitor, stats); });
   if (stats_out != nullptr) *stats_out = stats;
 }
 
@@ -229,8 +257,11 @@ Image Renderer::render(const RenderParams& params, RenderStats* stats_out, const
 Calibration Renderer::calibrate(const RenderParams& params, const Progress& progress) {
   const Projection& frame = parts_->shot().projection;
   check(frame, params, {0, frame.width, 0, frame.height});
-  const ThreadLimit limit(params.threads);  // of what is built; measuring takes one
-  return measure_rays(*parts_, params, progress);
+  Monitor monitor(kMeasuringSteps);
+  Calibration result;
+  run_with_progress(params.threads, monitor, progress,  // threads build; measuring takes one
+                    [&] { result = measure_rays(*parts_, params, monitor); });
+  return result;
 }
 
 Image render(const Shot& shot, const RenderParams& params, RenderStats* stats, const Progress& progress) {

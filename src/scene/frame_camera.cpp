@@ -69,7 +69,7 @@ Reach reach_of(const SceneMesh& mesh, const ShutterWindow& window, const Mat4& a
       if (used[v]) reach.add(transform_vector(axes, positions[v]), tan_x, tan_y);
   };
   look(window.open, Side::after);
-  if (motion.is_static(window.open, window.close)) return reach;
+  if (window.holds_still(motion)) return reach;
   for (const Stretch& s : divide_at_kinks(window, motion.kinks(window.open, window.close))) {
     const int samples =
         motion.is_linear_between_kinks()

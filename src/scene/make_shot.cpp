@@ -35,12 +35,16 @@ ShutterWindow shutter_window(const Scene& scene, const ShotOptions& options) {
     if (!(fps > 0) || !std::isfinite(fps))
       throw Error(ErrorCode::bad_usage, "shutter", fmt::format("{} frames per second make no sense", fps));
     window = {(frame + shutter[0]) / fps, (frame + shutter[1]) / fps};
+    if (shutter[0] < shutter[1] && window.open == window.close)
+      throw Error(ErrorCode::bad_usage, "shutter",
+                  fmt::format("opens and closes at {}: so far from 0 it cannot be told when; give an earlier frame",
+                              window.open));
   } else {
     window = {(*scene.shutter)[0], (*scene.shutter)[1]};
   }
-  if (!std::isfinite(window.open) || !std::isfinite(window.close) || !(window.open < window.close))
+  if (!std::isfinite(window.open) || !std::isfinite(window.close) || !(window.open <= window.close))
     throw Error(ErrorCode::bad_usage, "shutter",
-                fmt::format("must open before it closes; it opens at {} and closes at {}", window.open, window.close));
+                fmt::format("closes before it opens: it opens at {} and closes at {}", window.open, window.close));
   return window;
 }
 
@@ -100,7 +104,7 @@ std::vector<std::vector<Vec3f>> normals_at(const VertexMotion& motion, const Mot
   // middle's.
   if (key_count == 1)
     add(window.scene_time(0.5), Side::after);
-  else if (motion.is_static(window.open, window.close))
+  else if (window.holds_still(motion))
     add(window.open, Side::after);
   if (!normals.empty()) return normals;
 
@@ -141,9 +145,7 @@ Mesh make_mesh(const SceneMesh& source, const View& view, const ShotOptions& opt
   return mesh;
 }
 
-}  // namespace
-
-Shot make_shot(const Scene& scene, const ShotOptions& options) {
+Shot make_shot_here(const Scene& scene, const ShotOptions& options) {
   if (!(options.motion_tolerance > 0) || !std::isfinite(options.motion_tolerance))
     throw Error(ErrorCode::bad_usage, "motion tolerance",
                 fmt::format("{} is not a positive number of pixels", options.motion_tolerance));
@@ -184,6 +186,14 @@ Shot make_shot(const Scene& scene, const ShotOptions& options) {
   shot.textures = load_textures(scene, !options.textures, options.strict, shot.notes);
   if (options.textures) shot.light_textures = load_light_textures(scene, options.strict, shot.notes);
   for (std::string& note : shot_notes(shot.meshes, reports)) shot.notes.push_back(std::move(note));
+  return shot;
+}
+
+}  // namespace
+
+Shot make_shot(const Scene& scene, const ShotOptions& options) {
+  Shot shot;
+  with_threads(options.threads, [&] { shot = make_shot_here(scene, options); });
   return shot;
 }
 

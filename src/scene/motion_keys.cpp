@@ -154,7 +154,7 @@ bool same_positions(const std::vector<Vec3f>& a, const std::vector<Vec3f>& b) {
 
 PathSampler::PathSampler(const VertexMotion& motion, const View& view) : motion_(motion), view_(view) {
   const ShutterWindow& window = view.window();
-  if (!motion.is_static(window.open, window.close)) return;
+  if (!window.holds_still(motion)) return;
   resting_.resize(motion.vertex_count());
   motion.positions(window.open, Side::after, resting_);
 }
@@ -177,7 +177,7 @@ void PathSampler::positions(double scene_time, Side side, std::vector<Vec3d>& ou
 MotionKeys choose_motion_keys(const VertexMotion& motion, const View& view, double tolerance,
                               const std::string& place) {
   const ShutterWindow& window = view.window();
-  const bool rests = motion.is_static(window.open, window.close);
+  const bool rests = window.holds_still(motion);
   const PathSampler path(motion, view);
   MotionKeys keys;
   std::vector<Vec3d> now;

@@ -1,13 +1,49 @@
+#include <cmath>
+#include <initializer_list>
 #include <string>
 
 #include <kairos/error.h>
 #include <kairos/mesh.h>
+#include <kairos/scene.h>
 
 namespace kairos {
 
 namespace {
 [[noreturn]] void broken(const Mesh& mesh, const std::string& what) {
   throw Error(ErrorCode::bad_input, "mesh '" + mesh.name + "'", what);
+}
+
+void require(bool holds, const std::string& where, const char* what) {
+  if (!holds) throw Error(ErrorCode::bad_input, where, what);
+}
+
+bool all_finite(std::initializer_list<float> numbers) {
+  for (const float number : numbers)
+    if (!std::isfinite(number)) return false;
+  return true;
+}
+
+bool is_finite(const Material& m) {
+  return is_finite(m.base_color) && is_finite(m.emission) &&
+         all_finite({m.metallic, m.roughness, m.transmission, m.ior, m.alpha, m.alpha_cutoff});
+}
+
+bool is_finite(const PointLight& light) { return is_finite(light.position) && is_finite(light.intensity); }
+bool is_finite(const SpotLight& light) {
+  return is_finite(light.position) && is_finite(light.direction) && is_finite(light.intensity) &&
+         all_finite({light.cos_inner, light.cos_outer});
+}
+bool is_finite(const DirectionalLight& light) { return is_finite(light.direction) && is_finite(light.irradiance); }
+bool is_finite(const ConstantLight& light) { return is_finite(light.radiance); }
+bool is_finite(const EnvironmentLight& light) {
+  return is_finite(light.radiance) && is_finite(light.axes[0]) && is_finite(light.axes[1]) && is_finite(light.axes[2]);
+}
+
+bool shows_something(const Projection& p) {
+  constexpr double kHalfTurn = 3.14159265358979;
+  const bool opens =
+      p.orthographic ? p.view_height > 0 && std::isfinite(p.view_height) : p.vfov > 0 && p.vfov < kHalfTurn;
+  return opens && p.width > 0 && p.height > 0;
 }
 }  // namespace
 
@@ -39,6 +75,28 @@ void validate_mesh(const Mesh& mesh) {
     for (uint32_t v : t)
       if (v >= vertices)
         broken(mesh, "index " + std::to_string(v) + " is beyond its " + std::to_string(vertices) + " vertices");
+}
+
+void validate_shot(const Shot& shot) {
+  for (const Mesh& mesh : shot.meshes) {
+    validate_mesh(mesh);
+    if (!shot.materials.empty() && mesh.material >= shot.materials.size())
+      broken(mesh, "its material " + std::to_string(mesh.material) + " is beyond the shot's " +
+                       std::to_string(shot.materials.size()) + " materials");
+  }
+  for (const Material& material : shot.materials)
+    require(is_finite(material), "material '" + material.name + "'", "a number is not finite");
+  require(shot.textures.empty() || shot.textures.size() == shot.materials.size(), "textures",
+          "the shot needs as many entries as it has materials, or none");
+  for (size_t i = 0; i < shot.lights.size(); ++i)
+    require(std::visit([](const auto& light) { return is_finite(light); }, shot.lights[i]),
+            "light " + std::to_string(i), "a number is not finite");
+  require(shot.light_textures.empty() || shot.light_textures.size() == shot.lights.size(), "light textures",
+          "the shot needs as many entries as it has lights, or none");
+  require(is_finite(shot.background), "background", "is not finite");
+  require(shows_something(shot.projection), "projection",
+          "shows nothing: it needs a positive width and height in pixels, a field of view inside (0, pi) or, "
+          "orthographic, a positive view height");
 }
 
 }  // namespace kairos

@@ -74,7 +74,7 @@ View::View(const SceneCamera& camera, const Projection& projection, ShotOptions:
   }
 
   resting_ = camera_from_world(window.open, Side::after);
-  if (motion_->is_static(window.open, window.close)) return;
+  if (window.holds_still(*motion_)) return;
   for (const Stretch& s : divide_at_kinks(window, motion_->kinks(window.open, window.close))) {
     for (int i = 0; i <= kCameraProbes; ++i) {
       const double weight = static_cast<double>(i) / kCameraProbes;

@@ -14,9 +14,16 @@
 
 namespace kairos {
 
-/// The stretch of scene time in which the shutter is open: open < close, both finite.
+/// The stretch of scene time in which the shutter is open: open <= close, both finite. Where they are equal the picture
+/// is a still frame: it shows what is there from that instant on, for all of the shutter's time.
 struct ShutterWindow {
   double open = 0, close = 1;
+
+  /// Does what a VertexMotion or a TransformMotion describes rest while the shutter is open?
+  template <class Motion>
+  bool holds_still(const Motion& motion) const {
+    return open == close || motion.is_static(open, close);
+  }
 
   double shutter_time(double scene_time) const { return (scene_time - open) / (close - open); }
   double scene_time(double time) const { return time >= 1 ? close : open + time * (close - open); }

@@ -13,6 +13,7 @@
 #include <kairos/error.h>
 
 #include "base/file.h"
+#include "base/parallel.h"
 #include "scene_io/gltf/gltf.h"
 #include "scene_io/keyframes.h"
 #include "scene_io/native/native.h"
@@ -143,7 +144,9 @@ Scene load_file(const std::string& path, LoadContext& context) {
   return load_gltf(path, context.options);
 }
 
-std::shared_ptr<const Scene> load_scene(const std::vector<std::string>& paths, const LoadOptions& options) {
+namespace {
+
+std::shared_ptr<const Scene> load_here(const std::vector<std::string>& paths, const LoadOptions& options) {
   if (paths.empty()) throw Error(ErrorCode::bad_usage, "", "no scene file given");
   std::vector<std::string> mesh_files, scene_files;
   for (const std::string& path : paths) (is_mesh_file(path) ? mesh_files : scene_files).push_back(path);
@@ -170,6 +173,14 @@ std::shared_ptr<const Scene> load_scene(const std::vector<std::string>& paths, c
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::bad_input, paths.front(), "needs more memory than there is");
   }
+}
+
+}  // namespace
+
+std::shared_ptr<const Scene> load_scene(const std::vector<std::string>& paths, const LoadOptions& options) {
+  std::shared_ptr<const Scene> scene;
+  with_threads(options.threads, [&] { scene = load_here(paths, options); });
+  return scene;
 }
 
 }  // namespace kairos

@@ -42,6 +42,7 @@ struct Tracer::Impl {
   CollectPacketHits collect_packet = nullptr;
   std::shared_ptr<const CutOuts> cut_outs;
   std::vector<uint8_t> one_sided;  // [mesh]; empty where none is
+  int threads = 0;
   int exponent = 0;                // of the trees' size: see working_exponent
 
   void begin(RayState& state, RayMode mode, const TraceLimits& limits, const Ray& ray) const {
@@ -84,13 +85,16 @@ Tracer::Tracer(std::span<const Mesh> meshes, const TracerOptions& options) : imp
   impl_->cut_outs = options.cut_outs;
   if (std::any_of(meshes.begin(), meshes.end(), [](const Mesh& mesh) { return mesh.one_sided; }))
     for (const Mesh& mesh : meshes) impl_->one_sided.push_back(mesh.one_sided ? 1 : 0);
-  impl_->exponent = working_exponent(meshes);
-  if (impl_->exponent == 0) {
-    impl_->accel = build_accel(meshes, options.moving_meshes_only);
-  } else {
-    impl_->accel = build_accel(scaled_copies(meshes, impl_->exponent), options.moving_meshes_only);
-    impl_->cut_outs = scaled_cut_outs(options.cut_outs, impl_->exponent);
-  }
+  impl_->threads = options.threads;
+  with_threads(options.threads, [&] {
+    impl_->exponent = working_exponent(meshes);
+    if (impl_->exponent == 0) {
+      impl_->accel = build_accel(meshes, options.moving_meshes_only);
+    } else {
+      impl_->accel = build_accel(scaled_copies(meshes, impl_->exponent), options.moving_meshes_only);
+      impl_->cut_outs = scaled_cut_outs(options.cut_outs, impl_->exponent);
+    }
+  });
   impl_->depth = impl_->accel.depth();
 }
 Tracer::~Tracer() = default;
@@ -155,7 +159,7 @@ SegmentBatch Tracer::trace(std::span<const Ray> rays, Visibility visibility, Tra
     TraceCounters counters;
   };
   std::vector<Chunk> chunks((rays.size() + kChunk - 1) / kChunk);
-  parallel_for(chunks.size(), 1, [&](size_t begin, size_t end) {
+  const auto trace_chunks = [&](size_t begin, size_t end) {
     Workspace workspace;
     for (size_t c = begin; c < end; ++c) {
       workspace.state_->rays[0].counters = {};
@@ -166,7 +170,8 @@ SegmentBatch Tracer::trace(std::span<const Ray> rays, Visibility visibility, Tra
       }
       chunks[c].counters = workspace.counters();
     }
-  });
+  };
+  with_threads(impl_->threads, [&] { parallel_for(chunks.size(), 1, trace_chunks); });
   SegmentBatch batch;
   batch.offsets.reserve(rays.size() + 1);
   batch.offsets.push_back(0);

@@ -249,8 +249,9 @@ TEST(Accel, DoesNotDependOnTheNumberOfThreads) {
   meshes.push_back(test::random_soup(random, test::Motion::still, 30000));
   meshes.push_back(test::with_random_keys(random, test::random_soup(random, test::Motion::violent, 20000), 5));
   const auto build = [&](int threads) {
-    const ThreadLimit limit(threads);
-    return build_accel(meshes);
+    Accel accel;
+    with_threads(threads, [&] { accel = build_accel(meshes); });
+    return accel;
   };
   const Accel one = build(1);
   for (int round = 0; round < 3; ++round) {

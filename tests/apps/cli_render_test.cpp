@@ -134,6 +134,25 @@ TEST_F(CliRender, InstructionSetsCanBeForced) {
   EXPECT_NE(result.err.find("scalar"), std::string::npos) << "the log names it";
 }
 
+// The bar is at the left when the shutter opens and at the right when it closes.
+TEST_F(CliRender, AShutterOfNoLengthMakesAStillFrame) {
+  for (const std::string integrator : {"tc", "qmc", "mixed", "auto"}) {
+    const std::string options = "--shading flat --integrator " + integrator + " --spp 16 --fps 1 --frame 0 --shutter ";
+    const Image open = render(options + "0,0"), close = render(options + "1,1");
+    const auto green = [](const Image& image, int x) {  // more than there is of red: of the bar alone
+      const auto pixel = static_cast<size_t>(10 * image.width + x);
+      return image.find("G")->values[pixel] - image.find("R")->values[pixel];
+    };
+    EXPECT_NEAR(green(open, 8), 1, 1e-5) << integrator;  // the bar's pixel that is covered whole
+    EXPECT_NEAR(green(close, 23), 1, 1e-5) << integrator;
+    for (int x = 10; x < 22; ++x) {
+      EXPECT_LE(green(open, x), 0) << integrator << " " << x;
+      EXPECT_LE(green(close, x), 0) << integrator << " " << x;
+    }
+    EXPECT_EQ((attribute<std::array<double, 2>>(close, "kairos:shutter")), (std::array<double, 2>{1, 1}));
+  }
+}
+
 TEST_F(CliRender, ProgressWithoutATerminalIsPlainLines) {
   const CliResult result = run("render scene.json -o a.png --tc-rays 2000");
   ASSERT_EQ(result.status, 0);

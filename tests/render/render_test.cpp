@@ -1,5 +1,8 @@
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -270,6 +273,52 @@ TEST(Render, TheCallerCanStopIt) {
     EXPECT_EQ(e.code(), ErrorCode::cancelled);
   }
   EXPECT_EQ(calls, 3);
+}
+
+TEST(Render, ProgressIsToldByTheThreadThatCalls) {
+  const Shot shot = shot_of({bar(0, kWidth, 0, kHeight, 3)});
+  const auto caller = std::this_thread::get_id();
+  for (const int threads : {1, 2}) {
+    RenderParams params = flat(IntegratorKind::tc, 64);
+    params.threads = threads;
+    int calls = 0;
+    render(shot, params, nullptr, [&](double) {
+      EXPECT_EQ(std::this_thread::get_id(), caller);
+      ++calls;
+      return true;
+    });
+    EXPECT_GE(calls, 2);  // at once, and at the end
+    Renderer(shot).calibrate(params, [&](double) {
+      EXPECT_EQ(std::this_thread::get_id(), caller);
+      return true;
+    });
+  }
+}
+
+TEST(Render, WhatProgressThrowsReachesTheCaller) {
+  const Shot shot = shot_of({bar(0, kWidth, 0, kHeight, 3)});
+  const RenderParams params = flat(IntegratorKind::tc, 100000);  // minutes, if it were not stopped
+  EXPECT_THROW(render(shot, params, nullptr, [](double) -> bool { throw std::logic_error("no"); }), std::logic_error);
+}
+
+TEST(Render, TwoRenderersAtOnce) {
+  const Shot shot = shot_of({bar(2, 6, 1, 9, 3), bar(0, kWidth, 0, kHeight)});
+  RenderParams params = flat(IntegratorKind::mixed, 16);
+  const Image alone = render(shot, params);
+  std::array<Image, 2> images;
+  std::array<RenderStats, 2> stats;
+  const auto work = [&](size_t i, int threads) {
+    RenderParams own = params;
+    own.threads = threads;
+    Renderer renderer(shot);
+    for (int round = 0; round < 4; ++round) images[i] = renderer.render(own, &stats[i], [](double) { return true; });
+  };
+  std::thread other([&] { work(0, 1); });
+  work(1, 3);
+  other.join();
+  EXPECT_EQ(stats[0].threads, 1);
+  EXPECT_EQ(stats[1].threads, 3);
+  for (const Image& image : images) EXPECT_TRUE(same_pixels(alone, image));
 }
 
 TEST(Render, ProgressEndsAtOne) {

@@ -62,10 +62,41 @@ TEST(Shutter, OwnFrameAndDefault) {
   EXPECT_DOUBLE_EQ(shot.shutter_close, 0.5 / 48);
 }
 
+// Everything turns, kinks and jumps; at one instant it is where it is from then on.
+TEST(Shutter, OfNoLengthShowsOneInstant) {
+  const auto place = [](size_t v, double time, Side side) {
+    const double jump = time > 2 || (time == 2 && side == Side::after) ? 10 : 0;
+    return Vec3d{std::cos(time) + static_cast<double>(v % 2) + jump, std::sin(time) + static_cast<double>(v / 2), -5};
+  };
+  Scene scene = make_scene(make_path_mesh(3, place));
+  motion_of(scene.meshes[0]).all_kinks = {2};
+  motion_of(scene.meshes[0]).normal = [](size_t, double time) {
+    return Vec3f{std::sin(static_cast<float>(time)), 0, std::cos(static_cast<float>(time))};
+  };
+  camera_motion_of(scene).still = false;
+  camera_motion_of(scene).placement = [](double time) { return turned(time); };
+  for (const double time : {0.0, 1.5, 2.0}) {
+    scene.shutter = {time, time};
+    const Shot shot = make_shot(scene);
+    EXPECT_EQ(shot.shutter_open, time);
+    EXPECT_EQ(shot.shutter_close, time);
+    EXPECT_FALSE(shot.camera_moves);
+    const Mesh& mesh = shot.meshes.at(0);
+    ASSERT_TRUE(mesh.is_static());
+    EXPECT_EQ(mesh.normals.at(0).at(0),
+              (Vec3f{std::sin(static_cast<float>(time)), 0, std::cos(static_cast<float>(time))}));
+    const Mat4 camera = inverse_affine(turned(time));
+    for (size_t v = 0; v < 3; ++v)
+      EXPECT_EQ(mesh.positions[0][v], to_float(transform_point(camera, place(v, time, Side::after))));
+    for (const double when : {0.0, 0.5, 1.0})
+      EXPECT_EQ(shot.world_from_camera(when), make_shot(scene).world_from_camera(0)) << "a camera at rest";
+  }
+}
+
 TEST(Shutter, NonsenseIsRefused) {
   Scene scene = make_scene(make_still_triangle());
   ShotOptions options;
-  options.shutter = {0.5, 0.5};
+  options.shutter = {0.5, 0.25};
   EXPECT_THAT(message_of(ErrorCode::bad_usage, [&] { make_shot(scene, options); }), HasSubstr("shutter"));
   options.shutter = {0, kNan};
   message_of(ErrorCode::bad_usage, [&] { make_shot(scene, options); });

@@ -5,7 +5,6 @@
 
 #include <kairos/scene.h>
 
-#include "base/parallel.h"
 #include "scene/view.h"
 #include "seed.h"
 #include "synthetic_scene.h"
@@ -308,15 +307,11 @@ TEST(MotionKeys, SameForAnyNumberOfThreads) {
     return Vec3d{radius * std::cos(angle), radius * std::sin(angle), -8};
   }));
   for (int i = 0; i < 20; ++i) scene.meshes.push_back(make_rotor(0.1 * i));
-  Shot one, two;
-  {
-    ThreadLimit limit(1);
-    one = make_shot(scene);
-  }
-  {
-    ThreadLimit limit(2);
-    two = make_shot(scene);
-  }
+  ShotOptions options;
+  options.threads = 1;
+  const Shot one = make_shot(scene, options);
+  options.threads = 2;
+  const Shot two = make_shot(scene, options);
   ASSERT_EQ(one.meshes.size(), two.meshes.size());
   for (size_t m = 0; m < one.meshes.size(); ++m) {
     EXPECT_EQ(one.meshes[m].key_times, two.meshes[m].key_times);

@@ -212,7 +212,7 @@ TEST_F(Native, SchemaIsStrict) {
   refuse_fields(R"("lights": [{"type": "environment", "texture": "../sky.exr"}])", {"lights[0].texture", "sky.exr"});
   refuse_fields(R"("lights": [{"type": "environment", "texture": "sky.exr", "intensity": -1}])", {"intensity", "-1"});
   refuse_fields(R"("lights": [1])", {"scene.json: lights[0]: expected an object"});
-  refuse_fields(R"("shutter": [1, 1])", {"scene.json: shutter: the shutter must open before it closes"});
+  refuse_fields(R"("shutter": [1, 0.5])", {"scene.json: shutter: the shutter closes before it opens"});
   refuse_fields(R"("shutter": [1])", {"scene.json: shutter: expected 2 values, found 1"});
   refuse_fields(R"("image": {"width": 0, "height": 2})", {"scene.json: image.width: 0 is not between"});
   refuse_fields(R"("image": {"width": 1.5, "height": 2})", {"scene.json: image.width: 1.5 is not a whole number"});

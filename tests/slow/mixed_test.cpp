@@ -38,12 +38,17 @@ Mesh still_soup(std::mt19937& random, uint32_t count) {
   return mesh;
 }
 
+/// Of the whole frame.
+MotionMask mask_of(const Shot& shot, double margin) {
+  return {std::make_shared<const ScreenMotion>(shot, margin), Crop{0, kWidth, 0, kHeight}};
+}
+
 TEST(MotionMask, HoldsEveryPixelInWhichSomethingMovingIsSeen) {
   std::mt19937 random(test::seed());
   for (const test::Motion motion : test::kAllMotions) {
     if (motion == test::Motion::still) continue;
     const Shot shot = shot_of({still_soup(random, 5), test::random_soup(random, motion, 4)});
-    const MotionMask mask(shot, 0.5);
+    const MotionMask mask = mask_of(shot, 0.5);
     const Tracer tracer(shot.meshes);
     Tracer::Workspace workspace;
     const CameraRays camera(shot.projection);
@@ -72,10 +77,10 @@ TEST(MotionMask, KnowsTheDirectionOfMotionThatHasOne) {
   };
   const int x = kWidth / 2, y = kHeight / 2;
   // The screen's second axis points down. There and back again is one direction.
-  const MotionMask along(shot_of({triangle({0.2f, -0.1f, 0}), triangle({-0.1f, 0.05f, 0})}), 0);
+  const MotionMask along = mask_of(shot_of({triangle({0.2f, -0.1f, 0}), triangle({-0.1f, 0.05f, 0})}), 0);
   ASSERT_TRUE(along.direction(x, y).has_value());
   EXPECT_NEAR(*along.direction(x, y), std::atan2(1, 2), 0.01);
-  const MotionMask apart(shot_of({triangle({0.2f, 0, 0}), triangle({0, 0.2f, 0})}), 0);
+  const MotionMask apart = mask_of(shot_of({triangle({0.2f, 0, 0}), triangle({0, 0.2f, 0})}), 0);
   EXPECT_FALSE(apart.direction(x, y).has_value());
   EXPECT_FALSE(along.direction(0, 0).has_value()) << "nothing moves there";
 }
@@ -86,7 +91,7 @@ TEST(MotionMask, FollowsPathsPastTheCamera) {
   bar.triangles = {{0, 1, 2}};
   bar.key_times = {0, 1};
   bar.positions = {{{0, 0, -1}, {0.1f, 0, -1}, {0, 0.1f, -1}}, {{1, 0, 1}, {1.1f, 0, 1}, {1, 0.1f, 1}}};
-  const MotionMask mask(shot_of({bar}), 0);
+  const MotionMask mask = mask_of(shot_of({bar}), 0);
   for (int x = kWidth / 2 + 1; x < kWidth; ++x) EXPECT_TRUE(mask.moves(x, kHeight / 2 - 1)) << x;
   EXPECT_FALSE(mask.moves(kWidth / 2 - 2, kHeight / 2 - 1));
 }
@@ -100,13 +105,13 @@ TEST(MotionMask, KnowsHowFastAndLeavesOutWhatStandsStill) {
   bar.positions = {{{0, 0, -1}, {size, 0, -1}, {0, size, -1}}, {{step, 0, -1}, {step + size, 0, -1}, {step, size, -1}}};
   Mesh still = bar;
   still.positions.resize(1);
-  const MotionMask mask(shot_of({bar, still}), 0);
+  const MotionMask mask = mask_of(shot_of({bar, still}), 0);
   EXPECT_NEAR(mask.speed(kWidth / 2 + 3, kHeight / 2 - 1), 5, 0.05);
   EXPECT_NEAR(mask.depth(kWidth / 2 + 3, kHeight / 2 - 1), 1, 1e-3);
   EXPECT_FALSE(mask.moves(kWidth / 2 + 12, kHeight / 2 - 1));
   EXPECT_FALSE(mask.moves(kWidth / 2 + 3, kHeight / 2 + 4));
   EXPECT_FALSE(mask.moves(0, 0));
-  EXPECT_TRUE(MotionMask(shot_of({still}), 0).empty());
+  EXPECT_TRUE(mask_of(shot_of({still}), 0).empty());
 }
 
 // Looking where samples are needed must not cost more than the samples.

@@ -54,7 +54,7 @@ class NativeReader {
     if (const auto shutter = root_.find("shutter")) {
       const std::vector<JsonNode> ends = shutter->items(2);
       scene_.shutter = {ends[0].time(), ends[1].time()};
-      if (!((*scene_.shutter)[0] < (*scene_.shutter)[1])) shutter->fail("the shutter must open before it closes");
+      if (!((*scene_.shutter)[0] <= (*scene_.shutter)[1])) shutter->fail("the shutter closes before it opens");
     }
     if (const auto image = root_.find("image")) {
       image->expect_fields({"width", "height"});

@@ -22,9 +22,6 @@ void read_shutter(const Parameters& parameters, Camera& camera, Warnings& warnin
     warnings.add(camera.place, "the shutter closes before it opens: both are exchanged");
     std::swap(open, close);
   }
-  // An instant: the shortest opening in which times can still be told apart.
-  constexpr double kInstant = 1e-6;
-  if (open == close) close = open + kInstant * std::max(1.0, std::abs(open));
   camera.shutter = {open, close};
 }
 

@@ -1,0 +1,23 @@
+// What is found out about the whole frame before its first pixel.
+#pragma once
+
+#include <optional>
+
+#include <kairos/render.h>
+
+#include "integrators/packet_choice.h"
+#include "policy/allotment.h"
+#include "policy/sample_spread.h"
+
+namespace kairos {
+
+/// From rays spread over the frame; the same for any crop. Kept by ShotParts for further crops and pictures.
+struct FramePlan {
+  PacketChoice packets;
+  // Of the integrators mixed and auto.
+  RayPrices prices;
+  Allotment allotment{1, {}};          ///< of the budget, where things move
+  std::optional<SampleSpread> spread;  ///< of pixels with discrete samples alone; unset: all get the budget
+};
+
+}  // namespace kairos
