@@ -43,7 +43,7 @@ struct Tracer::Impl {
   std::shared_ptr<const CutOuts> cut_outs;
   std::vector<uint8_t> one_sided;  // [mesh]; empty where none is
   int threads = 0;
-  int exponent = 0;                // of the trees' size: see working_exponent
+  int exponent = 0;  // of the trees' size: see working_exponent
 
   void begin(RayState& state, RayMode mode, const TraceLimits& limits, const Ray& ray) const {
     state.begin_ray(mode, limits, depth, ScaledRay(ray, exponent), cut_outs.get(),
