@@ -20,8 +20,10 @@ constexpr double kHighestWeight = 1e3;
 constexpr double kLeastAgreement = 0.9;
 /// So are binary logarithms of depths.
 constexpr int64_t kDepthUnits = 4096;
-/// What reaches behind the camera counts as this near: the smallest float's logarithm.
+/// The smallest float's.
 constexpr int64_t kNearestDepth = -149 * kDepthUnits;
+/// What reaches behind the camera counts as this much nearer than its farthest vertex is far.
+constexpr int64_t kBehind = 40 * kDepthUnits;
 /// Faster than this counts as this: paths that pass the camera have no bound on screen.
 constexpr double kHighestSpeed = 1e6;
 /// Nothing nearer than this part of the farther end of an edge is projected: an edge that passes the camera plane is
@@ -269,12 +271,13 @@ void ScreenMotion::project(const Piece& piece, std::vector<TriangleOnScreen>& ou
   for (uint32_t t = piece.begin; t < piece.end; ++t) {
     const Triangle& corners = mesh.triangles[t];
     std::array<Vec3d, 6> points;
-    double path = 0, nearest = INFINITY;
+    double path = 0, nearest = INFINITY, farthest = 0;
     Vec2d longest;  // of the paths on screen
     for (size_t v = 0; v < 3; ++v) {
       points[v] = to_double(from[corners[v]]);
       points[v + 3] = to_double(to[corners[v]]);
       nearest = std::min({nearest, -points[v].z, -points[v + 3].z});
+      farthest = std::max({farthest, std::abs(points[v].z), std::abs(points[v + 3].z)});
       if (!to_screen.is_in_front(points[v]) || !to_screen.is_in_front(points[v + 3])) {
         path = kHighestSpeed;
         longest = {};  // of no direction
@@ -295,7 +298,10 @@ void ScreenMotion::project(const Piece& piece, std::vector<TriangleOnScreen>& ou
                    static_cast<int>(std::clamp(std::floor(b.y1 + margin_) + 1, 0.0, height))};
     if (seen.pixels.x0 >= seen.pixels.x1 || seen.pixels.y0 >= seen.pixels.y1) continue;
     seen.speed = std::llround(std::min(path / duration, kHighestSpeed) * kSpeedUnits);
-    seen.depth = nearest > 0 ? logarithm_of(nearest) : kNearestDepth;
+    if (nearest > 0)
+      seen.depth = logarithm_of(nearest);
+    else
+      seen.depth = farthest > 0 ? logarithm_of(farthest) - kBehind : kNearestDepth;
     // Of a line's direction, twice its angle is what can be added up: there and back are one direction.
     const double length_2 = longest.x * longest.x + longest.y * longest.y;
     const double weight = length_2 > 0 ? std::min(path / duration, kHighestWeight) * kSpeedUnits : 0;
