@@ -98,16 +98,18 @@ std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderPar
   stats.instruction_set = tracer.instruction_set();
   stats.accel_memory_bytes = tracer.memory_bytes();
   const PlanKey key = plan_key(params);
-  if (parts.find_plan(key) == nullptr) {
-    FramePlan plan;
+  const FramePlan* known = parts.find_plan(key);
+  FramePlan plan;
+  if (known != nullptr) {
+    plan = *known;
+  } else {
     plan.packets = choose_packets(context, parts.shot().projection, tracer);
     parts.keep_plan(key, plan);
   }
-  const PacketChoice packets = parts.find_plan(key)->packets;
   // A single ray is nowhere better than anywhere else.
   const MotionMask* mask =
       context.sampler.count() > 1 ? &parts.motion_mask(context.filter.radius(), params.crop) : nullptr;
-  return std::make_unique<TcIntegrator>(packets, mask, tracer, shading_options(params), context);
+  return std::make_unique<TcIntegrator>(plan.packets, mask, tracer, shading_options(params), context);
 }
 
 }  // namespace kairos
