@@ -1,9 +1,13 @@
 // kairos query: rays in, visibility segments out.
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -11,7 +15,9 @@
 
 #include "arguments.h"
 #include "commands.h"
+#include "pixel_query.h"
 #include "ray_reader.h"
+#include "sampling_arguments.h"
 #include "scene/scene.h"
 
 namespace kairos::cli {
@@ -25,12 +31,13 @@ struct QueryArguments {
   std::string rays;
   bool all = false, occluded = false;
   TraceLimits limits;
-  std::optional<InstructionSet> instruction_set;
+  std::optional<std::array<int, 2>> pixel;
+  SamplingArguments sampling;
 };
 
 TracerOptions options_of(const QueryArguments& arguments) {
   TracerOptions options;
-  options.instruction_set = arguments.instruction_set;
+  options.instruction_set = arguments.sampling.params.instruction_set;
   options.threads = arguments.scene.threads;
   return options;
 }
@@ -131,7 +138,15 @@ void read_max_dist(const std::string& text, TraceLimits& limits) {
   if (!(limits.max_dist > 0)) throw CLI::ValidationError("--max-dist", "is not positive; give how far rays look");
 }
 
+void read_pixel(const std::string& text, QueryArguments& arguments) {
+  constexpr uint64_t kMost = 65535;
+  const auto parts = split("--pixel", text, ',', 2, "X,Y");
+  const auto side = [&](size_t i) { return static_cast<int>(parse_count("--pixel", parts[i], 0, kMost)); };
+  arguments.pixel = {side(0), side(1)};
+}
+
 void run_query(QueryArguments arguments) {
+  if (arguments.pixel) return run_pixel_query(arguments.scene, arguments.sampling, *arguments.pixel);
   std::ifstream file;
   const bool standard_input = arguments.rays == "-";
   if (!standard_input) {
@@ -147,17 +162,34 @@ void run_query(QueryArguments arguments) {
   answer_all(reader, answerer);
 }
 
+/// Either rays or a pixel, and no option that the other one takes.
+void check_belong_together(const CLI::App& command, const std::vector<CLI::Option*>& of_rays, bool pixel) {
+  if (!pixel && command.count("--rays") == 0)
+    throw CLI::ValidationError("kairos query", "give rays with --rays or a pixel with --pixel");
+  for (const char* name : {"--all", "--occluded", "--window", "--max-dist"})
+    if (pixel && command.count(name) > 0) throw CLI::ValidationError(name, "is about rays, and not about a pixel");
+  for (const CLI::Option* option : command.get_options())
+    if (!pixel && option->count() > 0 && option->get_name() != "--instruction-set" &&
+        std::find(of_rays.begin(), of_rays.end(), option) == of_rays.end())
+      throw CLI::ValidationError(option->get_name(), "needs a pixel: --pixel X,Y");
+}
+
 }  // namespace
 
 void add_query_command(CLI::App& app, Action& chosen) {
   CLI::App& command = *app.add_subcommand("query", "Say what rays see, and from when to when");
   const auto arguments = std::make_shared<QueryArguments>();
   add_scene_arguments(command, arguments->scene);
+  auto* rays = command
+                   .add_option("--rays", arguments->rays,
+                               "One ray a line: ox oy oz dx dy dz, in world space; - reads standard input")
+                   ->type_name("FILE|-");
   command
-      .add_option("--rays", arguments->rays,
-                  "One ray a line: ox oy oz dx dy dz, in world space; - reads standard input")
-      ->type_name("FILE|-")
-      ->required();
+      .add_option_function<std::string>(
+          "--pixel", [arguments](const std::string& text) { read_pixel(text, *arguments); },
+          "In place of rays: print what render does in this pixel, with the options below")
+      ->type_name("X,Y")
+      ->excludes(rays);
   auto* all = command.add_flag("--all", arguments->all, "Every triangle met, hidden or not");
   command.add_flag("--occluded", arguments->occluded, "Only when anything is met")->excludes(all);
   const auto add = [&](const char* name, const char* form, void (*read)(const std::string&, TraceLimits&),
@@ -169,9 +201,12 @@ void add_query_command(CLI::App& app, Action& chosen) {
   };
   add("--window", "BEGIN,END", read_window, "Only this part of the shutter, 0 to 1");
   add("--max-dist", "DIST", read_max_dist, "Only up to this distance, in units of the direction's length");
-  add_instruction_set(command, arguments->instruction_set);
-  command.callback([arguments, &chosen] {
-    arguments->scene.shot.textures = false;
+  const std::vector<CLI::Option*> of_rays = command.get_options();
+  add_sampling_options(command, arguments->sampling);
+  command.callback([arguments, &chosen, &command, of_rays] {
+    check_belong_together(command, of_rays, arguments->pixel.has_value());
+    choose_integrator(command, arguments->sampling.params);
+    arguments->scene.shot.textures = arguments->pixel && arguments->sampling.params.shading != ShadingKind::normal;
     arguments->scene.shot.strict = arguments->scene.load.strict;
     chosen = [arguments] { run_query(*arguments); };
   });

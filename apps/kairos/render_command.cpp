@@ -17,21 +17,18 @@
 #include "render/names.h"
 #include "render_stats.h"
 #include "report.h"
+#include "sampling_arguments.h"
 #include "scene/scene.h"
-#include "scene_io/calibration_file.h"
 
 namespace kairos::cli {
 
 namespace {
 
-constexpr const char* kDefaultCalibration = "default";
-
 struct RenderArguments {
   SceneArguments scene;
-  RenderParams params;
+  SamplingArguments sampling;
   WriteOptions write;
   std::string out, stats_file, command_line;  ///< names of files: with `frames`, of a sequence's
-  std::string calibration = kDefaultCalibration;
   std::optional<FrameRange> frames;
   const CLI::App* command = nullptr;
   bool quiet = false;
@@ -55,12 +52,12 @@ Image render_with_progress(const RenderArguments& arguments, const Shot& shot, R
     if (!polling) begin_polling();  // rendering has begun: before, a signal ends the program at once
     polling = true;
     if (!bar && !arguments.quiet)
-      bar = std::make_unique<ProgressBar>(static_cast<double>(total_rays(arguments.params, shot)));
+      bar = std::make_unique<ProgressBar>(static_cast<double>(total_rays(arguments.sampling.params, shot)));
     if (bar) bar->update(fraction);
     return !interrupted();
   };
   try {
-    Image image = render(shot, arguments.params, &stats, progress);
+    Image image = render(shot, arguments.sampling.params, &stats, progress);
     end_polling();
     if (!interrupted()) return image;
   } catch (const Error& e) {
@@ -79,7 +76,7 @@ struct Job {
 std::string mark_of(const RenderArguments& arguments) {
   if (!arguments.frames) return "";
   std::vector<std::string> files = arguments.scene.paths;
-  if (arguments.calibration != kDefaultCalibration) files.push_back(arguments.calibration);
+  if (arguments.sampling.calibration != kDefaultCalibration) files.push_back(arguments.sampling.calibration);
   return frame_mark(*arguments.command,
                     {"SCENE", "--output", "--frames", "--stats-file", "--calibration", "--threads", "--quiet"}, files);
 }
@@ -139,30 +136,15 @@ void render_job(const RenderArguments& arguments, const Job& job, const std::str
   if (interrupted()) throw Error(ErrorCode::cancelled, "", "interrupted");
   timings.write = writing.seconds();
   if (!job.stats_file.empty()) {
-    const std::string text = stats_text(arguments.params, shot, stats, timings);
+    const std::string text = stats_text(arguments.sampling.params, shot, stats, timings);
     AtomicFile file(job.stats_file);
     file.write(text.data(), text.size());
     file.commit();
   }
 }
 
-/// What rays cost, if a file says so.
-std::optional<Calibration> calibration_of(const RenderArguments& arguments) {
-  if (arguments.calibration == kDefaultCalibration) return std::nullopt;
-  if (arguments.params.integrator != IntegratorKind::automatic)
-    throw Error(ErrorCode::bad_usage, "--calibration", "only the integrator auto chooses rays by what they cost");
-  const CalibrationFile file = read_calibration(arguments.calibration);
-  const auto shading = name_of(kAllShadingNames, arguments.params.shading);
-  if (file.shading != shading)
-    throw Error(ErrorCode::bad_input, arguments.calibration,
-                fmt::format("was measured with '--shading {}', and this picture has '{}'; measure again with kairos "
-                            "calibrate --shading {}",
-                            file.shading, shading, shading));
-  return file.calibration;
-}
-
 void run_render(RenderArguments& arguments) {
-  arguments.params.calibration = calibration_of(arguments);
+  read_calibration_into(arguments.sampling);
   const std::string mark = mark_of(arguments);
   const std::vector<Job> jobs = jobs_of(arguments, mark);
   for (const Job& job : jobs) {
@@ -188,7 +170,7 @@ void run_render(RenderArguments& arguments) {
 }
 
 void add_picture_options(CLI::App& app, RenderArguments& out) {
-  RenderParams& params = out.params;
+  RenderParams& params = out.sampling.params;
   app.add_option("-o,--output", out.out, "The picture to write")->type_name("OUT.exr|OUT.png")->required();
   app.add_flag("--half", out.write.half, "16-bit colours in EXR (depth stays 32-bit)");
   app.add_option_function<std::string>(
@@ -219,37 +201,6 @@ void add_picture_options(CLI::App& app, RenderArguments& out) {
          },
          "Pixels to render: X0 to X1 (without it), Y0 to Y1, from the upper left corner")
       ->type_name("X0,X1,Y0,Y1");
-  add_choice(app, "--filter", params.filter, kFilterNames, "Pixel filter");
-}
-
-void add_sampling_options(CLI::App& app, RenderArguments& out) {
-  constexpr uint64_t kMostSamples = 1u << 20, kMostShadingSamples = 1u << 16;
-  RenderParams& params = out.params;
-  add_choice(
-      app, "--integrator", params.integrator, kIntegratorNames,
-      "tc: time-continuous rays, exact in time; qmc: discrete rays; mixed: tc where anything moves, discrete rays "
-      "for what stands still; auto: mixed, rays chosen per pixel for the time of --spp discrete samples");
-  add_count(app, "--tc-rays", params.tc_rays, 1, kMostSamples,
-            "Rays per pixel of tc, and of mixed where anything moves");
-  add_count(app, "--shading-samples", params.shading_samples, 1, kMostShadingSamples,
-            "Shading samples per time-continuous ray");
-  add_choice(app, "--clusters", params.clusters, kClustersNames,
-             "What is shaded as one. on: triangles that follow on each other smoothly; pixel: a triangle, over a "
-             "pixel's rays; "
-             "off: nothing. auto: on for whitted, pixel for the others");
-  add_count(app, "--spp", params.spp, 1, kMostSamples,
-            "Samples per pixel of qmc; of mixed: discrete rays; of auto: the budget");
-  add_choice(app, "--sampler", params.sampler, kSamplerNames, "Where in the pixel, and when, samples are taken");
-  add_choice(app, "--shading", params.shading, kAllShadingNames,
-             "normal: |normal| as colour; flat: base colour, unlit; whitted: lit, with shadows, mirrors and glass; "
-             "bounds: blue to red, for how long rays meet moving meshes' boxes as the kernels see it, bounds-exact: "
-             "as it is");
-  add_count(app, "--max-depth", params.max_depth, 0, 64, "whitted: how often a ray may be reflected or refracted");
-  app.add_option("--calibration", out.calibration,
-                 "What rays cost, by which auto chooses them: a file of kairos calibrate, or default: estimated")
-      ->type_name("FILE|default");
-  add_count(app, "--seed", params.seed, 0, UINT64_MAX, "Another seed gives another noise");
-  add_instruction_set(app, params.instruction_set);
 }
 
 }  // namespace
@@ -261,7 +212,7 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
   arguments->command = &command;
   add_scene_arguments(command, arguments->scene);
   add_picture_options(command, *arguments);
-  add_sampling_options(command, *arguments);
+  add_sampling_options(command, arguments->sampling);
   command.add_option("--stats-file", arguments->stats_file, "Write times, memory and counters to this JSON file")
       ->type_name("F.json");
   command
@@ -272,16 +223,14 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
       ->excludes("--frame");
   command.add_flag("--quiet", arguments->quiet, "No log and no progress, errors only");
   command.callback([arguments, &chosen, &command] {
-    // Who asks for a number of time-continuous rays alone wants those.
-    if (command.count("--tc-rays") > 0 && command.count("--integrator") == 0)
-      arguments->params.integrator = IntegratorKind::tc;
+    choose_integrator(command, arguments->sampling.params);
     if (arguments->frames) {
       FrameName::check("--output", arguments->out);
       if (!arguments->stats_file.empty()) FrameName::check("--stats-file", arguments->stats_file);
     }
-    arguments->params.threads = arguments->scene.threads;
-    const std::vector<Aov>& aovs = arguments->params.aovs;
-    arguments->scene.shot.textures = arguments->params.shading != ShadingKind::normal ||
+    arguments->sampling.params.threads = arguments->scene.threads;
+    const std::vector<Aov>& aovs = arguments->sampling.params.aovs;
+    arguments->scene.shot.textures = arguments->sampling.params.shading != ShadingKind::normal ||
                                      std::find(aovs.begin(), aovs.end(), Aov::albedo) != aovs.end();
     arguments->scene.shot.strict = arguments->scene.load.strict;
     chosen = [arguments] { run_render(*arguments); };

@@ -48,22 +48,14 @@ struct PixelRay {
   bool is_over_time() const { return std::isnan(time); }
 };
 
-/// When a ray sees what stands still.
-struct SeenStill {
-  float begin = 0, end = 0;  ///< shutter time
-  float share = 1;           ///< of the ray's light; below 1 behind blended surfaces that move
-};
-
-/// A control variate. What stands still is sampled by more rays than the pixel has: with S the mean over all of them,
-/// S' that over the first `own` of them, which lie where the pixel's own rays do, and W the share of the shutter in
-/// which the pixel's own rays see what stands still, W (S - S') belongs to the pixel's mean. See "Static and moving in
-/// one pixel" in docs/method.md.
+/// A control variate. What stands still is sampled by more rays than the pixel has: with S the mean over all of them
+/// and S' that over the first `own` of them, which lie where the pixel's own rays do, `share` times (S - S') times the
+/// integral of the weight of time belongs to the pixel's mean. Its expectation is zero under any weight. See "Static
+/// and moving in one pixel" in docs/method.md.
 struct StillTerm {
   std::span<const PixelRay> rays;  ///< each of one instant, to what stands still alone; empty: there is no such term
   uint32_t own = 0;
-  std::span<const SeenStill> seen;  ///< by the pixel's own rays, one after the other: the sum of durations times
-                                    ///< shares, divided by the number of rays, is W
-  bool varies = false;  ///< does it look different at other instants? Those of `rays` are spread over `seen`
+  float share = 0;  ///< of the shutter, about, in which the pixel sees what stands still: found by rays of its own
 };
 
 /// How many rays a pixel is given.

@@ -89,6 +89,9 @@ struct RenderParams {
   int tc_rays = 16;         ///< tc: rays per pixel; mixed: the same, where anything moves; 1 to 2^20
   int shading_samples = 8;  ///< per time-continuous ray, over its segments by duration, at least one in each cluster
                             ///< (and no more where nothing changes); 1 to 2^16
+  /// Scene time over which a ray takes its shading samples: shots that follow each other go on with the same random
+  /// numbers if they have it in common. 0: while the shutter is open.
+  double shading_interval = 0;
   Clusters clusters = Clusters::automatic;
   int spp = 64;  ///< qmc: samples per pixel; mixed: rays to what stands still; automatic: the budget, in the
                  ///< time of samples of qmc, on average over the pixels; 1 to 2^20

@@ -10,7 +10,6 @@ namespace {
 
 /// Every instant counts alike.
 struct Box {
-  double total() const { return 1; }
   double at(float) const { return 1; }
   double integral(float begin, float end) const { return static_cast<double>(end) - static_cast<double>(begin); }
   std::array<double, 2> moments(float begin, float end) const {
@@ -177,37 +176,20 @@ class Sums {
   std::vector<std::pair<uint32_t, double>> meshes_;  // in order of first sight
 };
 
-/// W (S - S') of a record's still term, or what stands for it under another weight.
-template <class Weight>
+/// The share times (S - S') of a record's still term.
 struct StillMeans {
   Vec3d colour, normal, albedo;
   double coverage = 0;
 
-  StillMeans(const PixelRecord& record, const Weight& weight, double rays) {
-    const StillTerm& term = record.still;
-    double seen = 0;
-    for (const SeenStill& range : term.seen)
-      seen += static_cast<double>(range.share) *
-              (term.varies ? Box{}.integral(range.begin, range.end) : weight.integral(range.begin, range.end));
-    add(record, term.rays, weight, seen / rays);
-    add(record, term.rays.first(term.own), weight, -seen / rays);
+  StillMeans(const PixelRecord& record, double share) {
+    add(record, record.still.rays, share);
+    add(record, record.still.rays.first(record.still.own), -share);
   }
 
  private:
-  void add(const PixelRecord& record, std::span<const PixelRay> rays, const Weight& weight, double share) {
-    // A colour that changes counts as its instant does: instants are spread over the time in which it is seen. One that
-    // doesn't counts as all of that time does.
-    if (record.still.varies) return add_sums(sums_of(record, rays, weight), share);
-    add_sums(sums_of(record, rays, Box{}), share);
-  }
-  template <class AnyWeight>
-  static Sums<AnyWeight> sums_of(const PixelRecord& record, std::span<const PixelRay> rays, const AnyWeight& weight) {
-    Sums<AnyWeight> sums(record, weight, false);
+  void add(const PixelRecord& record, std::span<const PixelRay> rays, double share) {
+    Sums<Box> sums(record, {}, false);
     for (const PixelRay& ray : rays) sums.add(ray);
-    return sums;
-  }
-  template <class AnyWeight>
-  void add_sums(const Sums<AnyWeight>& sums, double share) {
     if (sums.empty()) return;
     colour += sums.colour() * share;
     normal += sums.normal() * share;
@@ -219,11 +201,7 @@ struct StillMeans {
 template <class Weight>
 PixelMeans reduce_under(const PixelRecord& record, const Weight& weight, bool count_meshes) {
   Sums<Weight> sums(record, weight, count_meshes);
-  double rays = 0;
-  for (const PixelRay& ray : record.rays) {
-    sums.add(ray);
-    rays += static_cast<double>(ray.weight);
-  }
+  for (const PixelRay& ray : record.rays) sums.add(ray);
   PixelMeans means;
   if (sums.empty()) return means;
   means.visibility_segments = static_cast<float>(sums.visibility_segments());
@@ -236,7 +214,7 @@ PixelMeans reduce_under(const PixelRecord& record, const Weight& weight, bool co
     means.coverage = static_cast<float>(sums.coverage());
     return means;
   }
-  const StillMeans<Weight> still(record, weight, rays);
+  const StillMeans still(record, static_cast<double>(record.still.share) * weight.integral(0, 1));
   means.colour = to_float(sums.colour() + still.colour);
   means.normal = to_float(sums.normal() + still.normal);
   means.albedo = to_float(sums.albedo() + still.albedo);

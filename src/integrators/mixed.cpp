@@ -1,12 +1,13 @@
 // Time-continuous rays for what moves, discrete rays for what stands still, in one pixel. docs/method.md, "Static and
 // moving in one pixel".
 //
-// Let W_k be the share of the shutter in which time-continuous ray k sees the still layer (background included), S_k
-// that layer's colour along the ray, and L_k all of what the ray sees. Still rays are cheap, so there are more of them.
-// With their mean S and the mean S' over those that lie on the time-continuous rays' own places, the control variate
-//   I = mean_k(L_k) + mean_k(W_k) (S - S')
-// takes from the still layer the noise of the few rays and puts in that of the many. Its second term is handed on as a
-// term of its own, PixelRecord::still.
+// Let L_k be what time-continuous ray k sees. Still rays are cheap, so there are more of them. With their mean S and
+// the mean S' over those that lie on the time-continuous rays' own places, the control variate
+//   I = mean_k(L_k) + B (S - S')
+// takes from the still layer (background included) the noise of the few rays and puts in that of the many, if B is
+// about the share of the shutter in which it is seen. B must know nothing of the rays k: W_k, the share that ray k
+// sees, goes with the colour along it, and I would be biased. Its second term is handed on as a term of its own,
+// PixelRecord::still.
 #include <mutex>
 
 #include "base/parallel.h"
@@ -17,6 +18,7 @@
 #include "integrators/integrator.h"
 #include "integrators/packet_choice.h"
 #include "integrators/still_layer.h"
+#include "math/hash.h"
 #include "motion/aligned_points.h"
 #include "motion/motion_mask.h"
 #include "policy/allotment.h"
@@ -43,6 +45,10 @@ constexpr size_t kLeastLooksSeen = 16;  // fewer say nothing of the picture
 constexpr double kLeastPrice = 0.05;    // of a sample of what stands still, even where nothing does
 constexpr size_t kLooksPerTask = 64;
 
+/// By which the share of the still layer is found: a twentieth of the time of four time-continuous rays.
+constexpr uint32_t kShareRays = 4;
+constexpr uint64_t kShareSeed = 0x5741;  // tells their random numbers from those of other rays
+
 class MixedIntegrator : public Integrator {
  public:
   MixedIntegrator(ShotParts& parts, const RenderParams& params, const PixelContext& context)
@@ -52,13 +58,14 @@ class MixedIntegrator : public Integrator {
         automatic_(params.integrator == IntegratorKind::automatic),
         budget_(static_cast<uint32_t>(std::max(params.spp, automatic_ ? 1 : params.tc_rays))),
         fixed_plan_{static_cast<uint32_t>(params.tc_rays), budget_},
-        shading_(shading_options(params)),
+        share_points_(SamplerKind::owen_sobol, kShareRays, hash(params.seed, kShareSeed)),
+        shading_(shading_options(parts.shot(), params, context.needs)),
         mask_(parts.motion_mask(context.filter.radius(), params.crop)),
         scene_(parts.discrete(params.discrete_keys)),
         occluder_hints_(!has_still_blended(shot_, context.shader)),
         tracer_(parts.tracer(params.instruction_set, occluder_hints_)),
         parts_(parts),
-        key_(plan_key(params)) {
+        key_(plan_key(params, context.needs)) {
     const bool anything_still =
         std::any_of(shot_.meshes.begin(), shot_.meshes.end(), [](const Mesh& mesh) { return mesh.is_static(); });
     still_layer_is_empty_ = !anything_still && !context.shader.has_sky();
@@ -67,7 +74,7 @@ class MixedIntegrator : public Integrator {
       known_ = true;
       return;
     }
-    if (mask_.empty()) return;
+    if (mask_.empty() && context.needs.time != RecordNeeds::Time::segments) return;
     frame_.packets = choose_packets(context, shot_.projection, tracer_);
     if (!automatic_) return;
     if (params.calibration) {
@@ -134,9 +141,14 @@ class MixedIntegrator : public Integrator {
     if (discrete.size() >= kLeastLooksSeen) frame_.spread.emplace(first, most, budget_, discrete);
   }
 
-  /// For a pixel in which things move.
+  /// May a pixel get time-continuous rays? Who needs exact segments needs them everywhere.
+  bool is_over_time(int x, int y) const {
+    return context_.needs.time == RecordNeeds::Time::segments || mask_.moves(x, y);
+  }
+  /// For such a pixel.
   PixelPlan plan(int x, int y) const {
     if (!automatic_) return fixed_plan_;
+    if (context_.needs.over_time()) return frame_.allotment.plan_over_time(dither(x, y));
     if (!still_layer_is_empty_ && budget_ < kLeastForStill) return {0, budget_};
     return frame_.allotment.plan(mask_.speed(x, y), dither(x, y));
   }
@@ -186,10 +198,11 @@ class MixedIntegrator : public Integrator {
     /// What the pixel gets.
     PixelPlan begin_pixel(int x, int y, Monitor& monitor) {
       const PixelPlan discrete{0, integrator_.budget_};
-      if (!integrator_.mask_.moves(x, y)) return discrete;
+      if (!integrator_.is_over_time(x, y)) return discrete;
       const PixelPlan plan = integrator_.plan(x, y);
       if (plan.tc_rays == 0) return discrete;
-      align_ = align_points(integrator_.mask_, x, y);
+      // Of shots that follow on each other, rays are not to jump.
+      align_ = context_.needs.over_time() ? AlignedPoints() : align_points(integrator_.mask_, x, y);
       still_layer_.begin_pixel(x, y, context_.sampler.pixel(x, y), align_);
       if (has_still_edge_in_front(x, y, monitor)) return discrete;
       return plan;
@@ -203,7 +216,7 @@ class MixedIntegrator : public Integrator {
 
     void add_ray_counts(RenderStats& stats) const {
       stats.counters += workspace_.counters();
-      stats.rays += workspace_.counters().rays + samples_.ray_count() + still_layer_.ray_count();
+      stats.rays += workspace_.counters().rays + samples_.ray_count() + still_layer_.ray_count() + share_rays_;
       stats.segments += workspace_.counters().segments + samples_.hit_count();
       stats.shading_samples += shading_.evaluations() + samples_.hit_count() + still_layer_.evaluations();
     }
@@ -212,7 +225,7 @@ class MixedIntegrator : public Integrator {
     /// Where something that stands still covers a part of the pixel in front of what moves, its outline is the noise,
     /// and more rays are better than exact ones.
     bool has_still_edge_in_front(int x, int y, Monitor& monitor) {
-      if (!integrator_.automatic_ || integrator_.still_layer_is_empty_) return false;
+      if (!integrator_.automatic_ || integrator_.still_layer_is_empty_ || context_.needs.over_time()) return false;
       const uint32_t probes = probe_rays(integrator_.budget_);
       const uint32_t in_front = still_layer_.count_nearer(probes, integrator_.mask_.depth(x, y), monitor);
       return in_front > 0 && in_front < probes;
@@ -258,68 +271,42 @@ class MixedIntegrator : public Integrator {
           first = ends_[i];
         }
       }
-      if (!integrator_.still_layer_is_empty_) add_still_term(plan, monitor);
+      if (!integrator_.still_layer_is_empty_) add_still_term(x, y, plan, monitor);
     }
 
-    /// The still layer is looked at when it is seen: at instants spread over the time in which the pixel's
-    /// time-continuous rays see it, so that a colour that changes with time is weighted as it should be.
-    void add_still_term(const PixelPlan& plan, Monitor& monitor) {
-      collect_still_time();
-      if (still_sums_.empty()) return;
-      const double share = still_sums_.back() / plan.tc_rays;
+    void add_still_term(int x, int y, const PixelPlan& plan, Monitor& monitor) {
+      const double share = find_still_share(x, y);
+      if (!(share > 0)) return;
       const uint32_t count = integrator_.automatic_ ? still_rays(plan, share) : std::max(plan.tc_rays, plan.discrete);
       if (count <= plan.tc_rays) return;
-      const bool varies = still_layer_.add_rays(
-          count, monitor, [&](float place) { return still_time(place); }, record_);
-      record_.set_still(plan.tc_rays, varies);
+      still_layer_.add_rays(count, monitor, record_);
+      record_.set_still(plan.tc_rays, static_cast<float>(share));
     }
 
-    /// When the pixel's rays see what is still, one ray after the other, with the running sum of durations.
-    void collect_still_time() {
-      still_sums_.clear();
-      double sum = 0;
-      const auto add = [&](float begin, float end, float share) {
-        if (!(begin < end) || !(share > 0)) return;
-        sum += (static_cast<double>(end) - static_cast<double>(begin)) * static_cast<double>(share);
-        record_.add_seen_still({begin, end, share});
-        still_sums_.push_back(sum);
-      };
-      for (const PixelRay& ray : record_.rays()) {
-        float from = 0;
-        const std::span<const SeenPart> parts = record_.parts_of(ray);
-        for (size_t i = 0; i < parts.size();) {
-          const Segment& where = parts[i].where;
-          add(from, where.begin, 1);  // the background
-          from = where.end;
-          float still = 0, open = 1;
-          do {
-            if (is_still(parts[i].where)) still += open * parts[i].opacity;
-            open *= 1 - parts[i].opacity;
-          } while (++i < parts.size() && parts[i].layer > 0);
-          add(where.begin, where.end, still + open);
-        }
-        add(from, 1, 1);
+    /// The share of a few discrete rays, independent of all others, that see what stands still.
+    double find_still_share(int x, int y) {
+      const Sampler& sampler = integrator_.share_points_;
+      const Sampler::Pixel pixel = sampler.pixel(x, y);
+      std::array<Ray, kShareRays> rays;
+      std::array<float, kShareRays> times{};
+      std::array<std::optional<DiscreteHit>, kShareRays> hits;
+      for (uint32_t i = 0; i < kShareRays; ++i) {
+        const SamplePoint point = sampler.point(pixel, i);
+        rays[i] = context_.ray(x, y, point);
+        times[i] = point.time;
       }
-    }
-    bool is_still(const Segment& seen) const {
-      return seen.mesh == kNoMesh || integrator_.shot_.meshes[seen.mesh].is_static();
-    }
-    /// The instant at the share `place`, 0 to 1, of this time.
-    float still_time(float place) const {
-      const double wanted = static_cast<double>(place) * still_sums_.back();
-      const auto at = std::min(std::lower_bound(still_sums_.begin(), still_sums_.end(), wanted), still_sums_.end() - 1);
-      const SeenStill& range = record_.seen_still()[static_cast<size_t>(at - still_sums_.begin())];
-      return std::clamp(range.end - static_cast<float>((*at - wanted) / static_cast<double>(range.share)), range.begin,
-                        range.end);
+      integrator_.scene_.intersect(rays, times, hits, DiscreteLayer::all);
+      share_rays_ += kShareRays;
+      const auto is_still = [&](const auto& hit) { return !hit || integrator_.shot_.meshes[hit->mesh].is_static(); };
+      return static_cast<double>(std::count_if(hits.begin(), hits.end(), is_still)) / kShareRays;
     }
 
     const MixedIntegrator& integrator_;
     const PixelContext& context_;
     Tracer::Workspace workspace_;
     PacketShading shading_;
-    std::vector<uint32_t> ends_;      // [ray of a packet]: of its parts
-    std::vector<double> still_sums_;  // [RecordBuilder::seen_still]: of durations up to there
-    AlignedPoints align_;             // of the pixel's time-continuous rays
+    std::vector<uint32_t> ends_;  // [ray of a packet]: of its parts
+    AlignedPoints align_;         // of the pixel's time-continuous rays
     StillLayer still_layer_;
     DiscreteSamples samples_;
     Contrast contrast_;
@@ -327,7 +314,7 @@ class MixedIntegrator : public Integrator {
     std::array<Ray, Tracer::kMaxPacket> batch_;
     std::array<Vec2f, Tracer::kMaxPacket> film_{};
     std::array<float, Tracer::kMaxPacket> times_{};
-    uint64_t moving_pixels_ = 0, tc_pixels_ = 0;
+    uint64_t moving_pixels_ = 0, tc_pixels_ = 0, share_rays_ = 0;
   };
 
   const Shot& shot_;
@@ -336,6 +323,7 @@ class MixedIntegrator : public Integrator {
   bool automatic_;        // plan per pixel
   uint32_t budget_;       // samples of a pixel
   PixelPlan fixed_plan_;  // else
+  Sampler share_points_;
   ShadingOptions shading_;
   const MotionMask& mask_;
   const DiscreteScene& scene_;

@@ -82,13 +82,14 @@ const MotionMask& ShotParts::motion_mask(double margin, const std::optional<Crop
   return mask;
 }
 
-PlanKey plan_key(const RenderParams& p) {
+PlanKey plan_key(const RenderParams& p, const RecordNeeds& needs) {
   static_assert(Calibration::kRays.size() == 3);
   std::optional<std::array<double, 5>> calibration;
   if (const auto& c = p.calibration)
     calibration = {c->discrete_sample, c->still_ray, c->tc_ray[0], c->tc_ray[1], c->tc_ray[2]};
-  return {p.integrator, p.tc_rays, p.shading_samples, p.clusters,  p.spp,          p.sampler, p.shading, p.max_depth,
-          p.filter,     p.seed,    p.instruction_set, calibration, p.discrete_keys};
+  return {p.integrator,      p.tc_rays,   p.shading_samples, p.clusters,         p.spp,
+          p.sampler,         p.shading,   p.max_depth,       p.filter,           p.seed,
+          p.instruction_set, calibration, p.discrete_keys,   p.shading_interval, needs.time};
 }
 
 const FramePlan* ShotParts::find_plan(const PlanKey& key) const {

@@ -50,21 +50,15 @@ class StillLayer {
         std::count_if(hits_.begin(), hits_.begin() + count, [&](const auto& hit) { return hit && hit->dist < dist; }));
   }
 
-  /// Adds the first `count` rays and what they see to `out`. time_of(sample time): when a ray looks. Returns whether
-  /// they may look different at other instants.
-  template <class TimeOf>
-  bool add_rays(uint32_t count, Monitor& monitor, const TimeOf& time_of, RecordBuilder& out) {
+  /// Adds the first `count` rays and what they see to `out`.
+  void add_rays(uint32_t count, Monitor& monitor, RecordBuilder& out) {
     trace(count, monitor);
-    bool varies = false;
     for (uint32_t i = 0; i < count; ++i) {
-      const float time = time_of(times_[i]);
       const uint32_t first = out.part_count();
-      const uint32_t parts = add_seen(context_.shader, rays_[i], time, hits_[i], {pixel_.seed, i}, out);
-      out.add_still_ray({film_[i], 1, time, first, parts, 0});
+      const uint32_t parts = add_seen(context_.shader, rays_[i], times_[i], hits_[i], {pixel_.seed, i}, out);
+      out.add_still_ray({film_[i], 1, times_[i], first, parts, 0});
       evaluations_ += hits_[i].has_value();
-      varies |= hits_[i] ? context_.shader.varies(hits_[i]->mesh) : context_.shader.sky_varies();
     }
-    return varies;
   }
 
   uint64_t ray_count() const { return ray_count_; }

@@ -97,7 +97,7 @@ std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderPar
   const Tracer& tracer = parts.tracer(params.instruction_set);
   stats.instruction_set = tracer.instruction_set();
   stats.accel_memory_bytes = tracer.memory_bytes();
-  const PlanKey key = plan_key(params);
+  const PlanKey key = plan_key(params, context.needs);
   const FramePlan* known = parts.find_plan(key);
   FramePlan plan;
   if (known != nullptr) {
@@ -106,10 +106,12 @@ std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderPar
     plan.packets = choose_packets(context, parts.shot().projection, tracer);
     parts.keep_plan(key, plan);
   }
-  // A single ray is nowhere better than anywhere else.
-  const MotionMask* mask =
-      context.sampler.count() > 1 ? &parts.motion_mask(context.filter.radius(), params.crop) : nullptr;
-  return std::make_unique<TcIntegrator>(plan.packets, mask, tracer, shading_options(params), context);
+  // A single ray is nowhere better than anywhere else; and rays of shots that follow on each other are not to jump.
+  const MotionMask* mask = context.sampler.count() > 1 && !context.needs.over_time()
+                               ? &parts.motion_mask(context.filter.radius(), params.crop)
+                               : nullptr;
+  return std::make_unique<TcIntegrator>(plan.packets, mask, tracer,
+                                        shading_options(parts.shot(), params, context.needs), context);
 }
 
 }  // namespace kairos

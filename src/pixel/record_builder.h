@@ -24,7 +24,6 @@ class RecordBuilder {
     parts_.clear();
     knots_.clear();
     surfaces_.clear();
-    seen_still_.clear();
   }
 
   uint32_t part_count() const { return static_cast<uint32_t>(parts_.size()); }
@@ -56,17 +55,15 @@ class RecordBuilder {
   /// ray: its parts are already there.
   void add_ray(const PixelRay& ray) { rays_.push_back(ray); }
   void add_still_ray(const PixelRay& ray) { still_rays_.push_back(ray); }
-  void add_seen_still(const SeenStill& range) { seen_still_.push_back(range); }
-  std::span<const SeenStill> seen_still() const { return seen_still_; }
 
   void set_plan(const PixelPlan& plan, bool moves) {
     record_.plan = plan;
     record_.moves = moves;
   }
-  /// own, varies: see StillTerm.
-  void set_still(uint32_t own, bool varies) {
+  /// own, share: see StillTerm.
+  void set_still(uint32_t own, float share) {
     record_.still.own = own;
-    record_.still.varies = varies;
+    record_.still.share = share;
   }
 
   /// All of it; valid until the next pixel begins.
@@ -76,7 +73,6 @@ class RecordBuilder {
     record_.knots = knots_;
     record_.surfaces = surfaces_;
     record_.still.rays = still_rays_;
-    if (!still_rays_.empty()) record_.still.seen = seen_still_;
     return record_;
   }
 
@@ -87,7 +83,6 @@ class RecordBuilder {
   std::vector<SeenPart> parts_;
   std::vector<Knot> knots_;
   std::vector<KnotSurface> surfaces_;
-  std::vector<SeenStill> seen_still_;
 };
 
 }  // namespace kairos

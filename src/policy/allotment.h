@@ -73,8 +73,10 @@ class Allotment {
   /// speed: pixels while the shutter is open. chance: of the pixel, in [0, 1).
   PixelPlan plan(double speed, double chance) const {
     if (speed < least_speed_) return {0, budget_};
-    return {chance < share_ ? 2 * low_ : low_, budget_};
+    return plan_over_time(chance);
   }
+  /// The same where there must be time-continuous rays, be they worth it or not.
+  PixelPlan plan_over_time(double chance) const { return {std::max(1u, chance < share_ ? 2 * low_ : low_), budget_}; }
 
  private:
   uint32_t budget_, low_ = 0;

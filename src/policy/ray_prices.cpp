@@ -48,7 +48,7 @@ constexpr uint32_t kTries = kLeastLookPixels;   // at most, to find pixels in wh
 }  // namespace
 
 RayWork sample_ray_work(const PixelContext& context, const Shot& shot, const MotionMask& mask, const Tracer& tracer,
-                        ShadingOptions options) {
+                        const ShadingOptions& options) {
   const std::vector<LookPixel> places = look_pixels(shot.projection);
   Tracer::Workspace workspace;
   PacketShading shading(context.shader, options);

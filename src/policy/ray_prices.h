@@ -25,7 +25,7 @@ struct RayWork {
 
 /// Traces and shades a few hundred rays, spread over the pixels that the mask names. Zero work where there are none.
 RayWork sample_ray_work(const PixelContext& context, const Shot& shot, const MotionMask& mask, const Tracer& tracer,
-                        ShadingOptions options);
+                        const ShadingOptions& options);
 
 /// key_spans: see mean_key_spans. anything_still: does any mesh have a single key?
 RayPrices estimate_prices(const RayWork& work, double key_spans, bool anything_still, ShadingKind shading);

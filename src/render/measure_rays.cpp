@@ -120,7 +120,7 @@ Calibration measure_rays(ShotParts& parts, const RenderParams& params, Monitor& 
                 "nothing moves relative to the camera in this picture, so there are no rays to choose between; render "
                 "it without a calibration");
   const Shader& shader = parts.shader(params.shading, false, params.max_depth, params.discrete_keys,
-                                      shading_options(params).clusters == Clusters::pixel);
+                                      clusters_of(params) == Clusters::pixel);
   const auto params_of = [&](IntegratorKind kind, int tc_rays, int spp) {
     RenderParams result = params;
     result.crop = part;

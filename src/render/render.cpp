@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <mutex>
@@ -45,6 +46,14 @@ void check(const Projection& p, const RenderParams& params, const Crop& crop) {
     refuse("more than " + std::to_string(kMaxPixels) + " pixels; render it in parts with a crop");
   if (params.shading_samples < 1 || params.shading_samples > kMaxShadingSamples)
     refuse("shading samples must be 1 to " + std::to_string(kMaxShadingSamples));
+  if (!(params.shading_interval >= 0) || !std::isfinite(params.shading_interval))
+    refuse("the interval of shading samples must be a number of at least 0");
+  const bool takes_tc = params.integrator == IntegratorKind::tc || params.integrator == IntegratorKind::mixed;
+  if (takes_tc && (params.tc_rays < 1 || static_cast<uint32_t>(params.tc_rays) > Sampler::kMaxCount))
+    refuse("time-continuous rays per pixel must be 1 to " + std::to_string(Sampler::kMaxCount));
+  if (params.integrator != IntegratorKind::tc &&
+      (params.spp < 1 || static_cast<uint32_t>(params.spp) > Sampler::kMaxCount))
+    refuse("samples per pixel must be 1 to " + std::to_string(Sampler::kMaxCount));
   if (params.max_depth < 0 || params.max_depth > kMostDepth)
     refuse("the depth of reflections must be 0 to " + std::to_string(kMostDepth));
   if (params.threads < 0) refuse("the number of threads must not be negative");
@@ -53,7 +62,11 @@ void check(const Projection& p, const RenderParams& params, const Crop& crop) {
     refuse("keys for discrete rays must be 0 to " + std::to_string(kMaxTimeSteps));
 }
 
-void check(const RenderParams& params, const RecordNeeds& needs) {
+void check(const Shot& shot, const RenderParams& params, const RecordNeeds& needs) {
+  if (params.shading_interval > 0 &&
+      (shot.shutter_close - shot.shutter_open) / params.shading_interval * params.shading_samples > kMaxShadingSamples)
+    refuse("shading samples while the shutter is open must be " + std::to_string(kMaxShadingSamples) +
+           " at most; give a longer interval");
   const bool exact = needs.time == RecordNeeds::Time::segments;
   if (exact && (params.integrator == IntegratorKind::qmc || shows_bounds(params.shading)))
     refuse(
@@ -71,7 +84,7 @@ int sample_count(const RenderParams& params) {
     case IntegratorKind::automatic:
       return params.spp;
     case IntegratorKind::mixed:
-      return params.tc_rays < 1 ? params.tc_rays : std::max(params.spp, params.tc_rays);
+      return std::max(params.spp, params.tc_rays);
   }
   return 0;
 }
@@ -151,7 +164,7 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
   if (params.integrator == IntegratorKind::mixed) put("kairos:tc_rays", params.tc_rays);
   if (params.integrator != IntegratorKind::qmc) {
     put("kairos:shading_samples", params.shading_samples);
-    put("kairos:clusters", std::string(name_of(kClustersNames, shading_options(params).clusters)));
+    put("kairos:clusters", std::string(name_of(kClustersNames, clusters_of(params))));
   }
   if (params.integrator == IntegratorKind::automatic) put("kairos:calibration", calibration_text(params.calibration));
   put("kairos:sampler", std::string(name_of(kSamplerNames, params.sampler)));
@@ -184,7 +197,7 @@ void render_here(ShotParts& parts, const RenderParams& params, const Crop& crop,
   const Shot& shot = parts.shot();
   stats.threads = thread_count();
   const bool want_variation =
-      params.integrator != IntegratorKind::qmc && shading_options(params).clusters == Clusters::pixel;
+      params.integrator != IntegratorKind::qmc && !needs.over_time() && clusters_of(params) == Clusters::pixel;
   const Shader& shader =
       parts.shader(params.shading, needs.normal, params.max_depth, params.discrete_keys, want_variation);
   auto start = std::chrono::steady_clock::now();
@@ -233,7 +246,7 @@ void Renderer::render(const RenderParams& params, std::span<PixelConsumer* const
   check(frame, params, crop);
   RecordNeeds needs;
   for (const PixelConsumer* consumer : consumers) needs = needs | consumer->needs();
-  check(params, needs);
+  check(parts_->shot(), params, needs);
   Monitor monitor(static_cast<uint64_t>(crop.x1 - crop.x0) * static_cast<uint64_t>(crop.y1 - crop.y0));
   RenderStats stats;
   run_with_progress(params.threads, monitor, progress,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -21,10 +22,9 @@ class LayerShading {
   explicit LayerShading(const Shader& shader) : shader_(shader) {}
 
   /// options, share, phase: see spread_samples; every sample takes in all layers, each of which is a part of its own.
-  /// key: of the next shading evaluation; counts on. Returns the number of evaluations. docs/method.md, "Blended
-  /// surfaces".
+  /// keys: of this ray. Returns the number of evaluations. docs/method.md, "Blended surfaces".
   uint64_t shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> blended,
-                 ShadingOptions options, double share, float phase, SampleKey& key, RecordBuilder& out) {
+                 const ShadingOptions& options, double share, float phase, SampleKeys& keys, RecordBuilder& out) {
     opacities_.clear();
     for (const Segment& hit : blended)
       opacities_.push_back(shader_.opacity(ray, hit.mesh, hit.triangle, 0.5f * (hit.begin + hit.end)));
@@ -40,14 +40,17 @@ class LayerShading {
         if (shader_.varies(blended[index].mesh)) return true;
       return stretch.mesh == kNoMesh ? shader_.sky_varies() : shader_.varies(stretch.mesh);
     };
-    spread_samples(stretches, options.samples, share, phase, joined, varies, samples_);
-    const uint32_t first = key.index;
+    if (options.over_time)
+      cut_at_cells(stretches, options.grid, phase, varies);
+    else
+      spread_samples(stretches, options.samples, share, phase, joined, varies, samples_);
+    evaluations_ = 0;
     for (const ShadingSample& sample : samples_) {
-      look(ray, sample, key, out);
+      look(ray, sample, keys, out);
       for (size_t i = sample.first; i < stretches.size() && stretches[i].begin < sample.end; ++i)
         add_parts(i, sample, out);
     }
-    return key.index - first;
+    return evaluations_;
   }
 
  private:
@@ -74,12 +77,30 @@ class LayerShading {
     return back.mesh == kNoMesh ? next.mesh == kNoMesh : shader_.joined(back, next);
   }
 
+  /// Fills samples_: one for each cell of the grid that a stretch reaches into, anywhere in its part of the cell with
+  /// the same probability.
+  template <class Varies>
+  void cut_at_cells(std::span<const Segment> stretches, const TimeGrid& grid, float phase, const Varies& varies) {
+    samples_.clear();
+    for (uint32_t i = 0; i < stretches.size(); ++i) {
+      const Segment& stretch = stretches[i];
+      float begin = stretch.begin;
+      for (double cell = std::floor(grid.place(begin)) + 1; begin < stretch.end; ++cell) {
+        const float end = varies(stretch) ? std::clamp(grid.time_at(cell), begin, stretch.end) : stretch.end;
+        if (!(begin < end)) continue;
+        const float latest = std::nextafter(end, 0.0f);
+        samples_.push_back({i, i, begin, end, std::clamp(begin + (end - begin) * phase, begin, latest)});
+        begin = end;
+      }
+    }
+  }
+
   /// Fills seen_.
-  void look(const Ray& ray, const ShadingSample& sample, SampleKey& key, RecordBuilder& out) {
+  void look(const Ray& ray, const ShadingSample& sample, SampleKeys& keys, RecordBuilder& out) {
     seen_.clear();
     const auto add = [&](const Segment& surface, size_t depth, const Segment* farther, float opacity) {
-      const Shade shade = shader_.shade(ray, surface.mesh, surface.triangle, sample.time, key);
-      ++key.index;
+      const Shade shade = shader_.shade(ray, surface.mesh, surface.triangle, sample.time, keys.next(sample.time));
+      ++evaluations_;
       seen_.push_back({depth, farther, out.add_knot(sample.time, shade.colour, shade.normal, shade.albedo), opacity});
     };
     float open = 1;  // the share of the light from behind that comes through so far
@@ -139,6 +160,7 @@ class LayerShading {
   std::vector<float> opacities_;  // [blended hit], halfway through
   std::vector<uint32_t> farther_;
   std::vector<Seen> seen_;
+  uint64_t evaluations_ = 0;
 };
 
 }  // namespace kairos

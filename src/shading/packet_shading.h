@@ -19,7 +19,7 @@ namespace kairos {
 /// One thread's scratch memory. docs/method.md, "Shading samples".
 class PacketShading {
  public:
-  PacketShading(const Shader& shader, ShadingOptions options)
+  PacketShading(const Shader& shader, const ShadingOptions& options)
       : shader_(shader), options_(options), single_(shader, options) {}
 
   /// The rays of a pixel that are shaded together, as they were traced together.
@@ -118,7 +118,7 @@ class PacketShading {
 
   /// Shades every part of every group at one instant of one of its segments.
   void take_samples(const Packet& packet, RecordBuilder& out) {
-    if (key_.seed != packet.pixel_seed) key_ = {packet.pixel_seed, kFirstKey};
+    SampleKey key{hash(packet.pixel_seed, kGroupDimension, packet.first), 0};
     auto index = group_of_.begin();
     for (size_t r = 0; r < packet.rays.size(); ++r)
       for (const Segment& segment : packet.seen[r].segments) {
@@ -132,8 +132,8 @@ class PacketShading {
           // Half-open: at its very end something else is seen.
           const float latest = std::nextafter(segment.end, 0.0f);
           const float time = std::max(segment.begin, std::min(segment.begin + (place - group.passed), latest));
-          const Shade shade = shader_.shade(packet.rays[r], segment.mesh, segment.triangle, time, key_);
-          ++key_.index;
+          const Shade shade = shader_.shade(packet.rays[r], segment.mesh, segment.triangle, time, key);
+          ++key.index;
           out.set_knot(group.first_knot + group.part++, time, shade.colour, shade.normal, shade.albedo);
         }
         group.passed = passed;
@@ -165,14 +165,13 @@ class PacketShading {
     }
   }
 
-  static constexpr uint32_t kFirstKey = 1u << 31;  // keys below are those of rays that are shaded by themselves
   static constexpr uint32_t kNone = 0xffffffffu;
   static constexpr uint64_t kHashFactor = 0x9e3779b97f4a7c15u;  // 2^64 over the golden ratio
   /// Where colours differ by more than 1 / this, a group gets more samples than options_.samples for each ray that sees
   /// it all the time; where by less, fewer.
   static constexpr float kVariationScale = 4;
   static constexpr float kGoldenShare = 0.618034f;
-  static constexpr uint64_t kPhaseDimension = 4;  // beside x, y, time and single rays' shares
+  static constexpr uint64_t kPhaseDimension = 4, kGroupDimension = 6;  // beside those of single rays
 
   const Shader& shader_;
   ShadingOptions options_;
@@ -180,7 +179,6 @@ class PacketShading {
   std::vector<uint32_t> slots_;     // [hash]: number of a group
   std::vector<Group> groups_;       // in order of first sight
   std::vector<uint32_t> group_of_;  // [segment, ray by ray]
-  SampleKey key_;                   // of the next shading sample: numbered through each pixel
   uint64_t evaluations_ = 0;
 };
 

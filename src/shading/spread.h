@@ -9,16 +9,29 @@
 #include <kairos/render.h>
 #include <kairos/tracer.h>
 
+#include "shading/time_grid.h"
+
 namespace kairos {
 
 /// How time-continuous rays are shaded. See RenderParams.
 struct ShadingOptions {
-  int samples = 8;                   ///< per ray
+  double samples = 8;                ///< per ray, while the shutter is open
   Clusters clusters = Clusters::on;  ///< not automatic
+  bool over_time = false;            ///< colours as functions of time, each at its own instants; then without clusters
+  TimeGrid grid{8};
 };
-inline ShadingOptions shading_options(const RenderParams& params) {
-  if (params.clusters != Clusters::automatic) return {params.shading_samples, params.clusters};
-  return {params.shading_samples, params.shading == ShadingKind::whitted ? Clusters::on : Clusters::pixel};
+inline Clusters clusters_of(const RenderParams& params) {
+  if (params.clusters != Clusters::automatic) return params.clusters;
+  return params.shading == ShadingKind::whitted ? Clusters::on : Clusters::pixel;
+}
+inline ShadingOptions shading_options(const Shot& shot, const RenderParams& params, const RecordNeeds& needs) {
+  const auto cells = static_cast<uint32_t>(params.shading_samples);
+  const double open = shot.shutter_open, close = shot.shutter_close;
+  const TimeGrid grid = params.shading_interval > 0 ? TimeGrid(open, close, params.shading_interval, cells)
+                        : close > open              ? TimeGrid(open, close, close - open, cells)
+                                                    : TimeGrid(cells);
+  const double samples = params.shading_interval > 0 ? grid.count() : params.shading_samples;
+  return {samples, needs.over_time() ? Clusters::off : clusters_of(params), needs.over_time(), grid};
 }
 
 /// A stretch of a cluster of segments, and the instant at which it is shaded: its duration is the sample's weight.
@@ -39,7 +52,7 @@ struct ShadingSample {
 /// durations leave undecided, and where in their parts samples lie. A sample is anywhere in its part with the same
 /// probability, so the sum of duration x colour(time) is unbiased, whatever `joined` says.
 template <class Joined, class Varies>
-void spread_samples(std::span<const Segment> segments, int samples, double share, float phase, Joined&& joined,
+void spread_samples(std::span<const Segment> segments, double samples, double share, float phase, Joined&& joined,
                     Varies&& varies, std::vector<ShadingSample>& out) {
   out.clear();
   double visible = 0, before = 0;

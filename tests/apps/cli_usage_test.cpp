@@ -134,7 +134,9 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--occluded", ""},
                                                        {"--window", "0.25,0.5"},
                                                        {"--max-dist", "3"},
+                                                       {"--pixel", "3,4"},
                                                        {"--json", ""}};
+  const std::set<std::string> of_rays = {"--rays", "--all", "--occluded", "--window", "--max-dist"};
   write("rays.txt", "0 0 0 0 0 -1\n");
   const std::map<std::string, std::string> commands = {
       {"render", "scene.json -o a.exr --size 12x9 "}, {"query", "scene.json --rays - "}, {"info", "scene.json "}};
@@ -150,7 +152,8 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
       std::string arguments = rest;
       if (name == "--output") arguments = "scene.json --size 12x9 ";
       if (name == "--frames") arguments = "scene.json -o f%d.exr --size 12x9 ";
-      if (name == "--rays") arguments = "scene.json ";
+      if (name == "--rays" || name == "--pixel") arguments = "scene.json ";
+      if (command == "query" && !of_rays.contains(name) && name != "--pixel") arguments = "scene.json --pixel 3,4 ";
       if (name == "--size")
         arguments = "scene.json " + std::string(command == "render"  ? "-o a.exr "
                                                 : command == "query" ? "--rays - "

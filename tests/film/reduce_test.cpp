@@ -133,24 +133,20 @@ TEST(Reduce, WeighsInstantsAndGapsByTheCurve) {
   EXPECT_EQ(means.mesh_id, 6u);
 }
 
-// W (S - S'): what stands still, sampled by three rays more than the pixel has.
-TEST(Reduce, AddsTheStillTermUnderItsOwnWeight) {
-  for (const bool varies : {false, true}) {
-    Pixel pixel({0, 0, 1});
-    pixel.ray({{0, 0.5f, {1, 0, 0}, 0}, {0.5f, 1, {0, 1, 0}, 1}}, 2);  // moves; stands still
-    pixel.builder().add_seen_still({0.5f, 1, 1});
-    pixel.still_ray({{0.6f, 0.6f, {0, 1, 0}, 1}}, 0.6f);
-    pixel.still_ray({{0.7f, 0.7f, {0, 2, 0}, 1}}, 0.7f);
-    pixel.still_ray({{0.8f, 0.8f, {0, 2, 0}, 1}}, 0.8f);
-    pixel.still_ray({}, 0.9f);
-    pixel.builder().set_still(1, varies);
-    // S = (0, 1.25, 0.25), S' = (0, 1, 0), W = 1/2.
-    EXPECT_EQ(pixel.means().colour, (Vec3f{0.5f, 0.5f + 0.125f, 0.125f}));
-    EXPECT_EQ(pixel.means().coverage, 1 - 0.125f);
-    // While it is never seen, it adds nothing; while nothing else is, all of it counts.
-    EXPECT_EQ(pixel.means(TimeWeight({{0, 2}, {0.5, 2}})).colour, (Vec3f{1, 0, 0}));
-    EXPECT_EQ(pixel.means(TimeWeight({{0.5, 2}, {1, 2}})).colour, (Vec3f{0, 1.25f, 0.25f}));
-  }
+// The share times (S - S'): what stands still, sampled by three rays more than the pixel has.
+TEST(Reduce, AddsTheStillTermByItsShareAndTheIntegralOfTheWeight) {
+  Pixel pixel({0, 0, 1});
+  pixel.ray({{0, 0.5f, {1, 0, 0}, 0}, {0.5f, 1, {0, 1, 0}, 1}}, 2);  // moves; stands still
+  pixel.still_ray({{0.6f, 0.6f, {0, 1, 0}, 1}}, 0.6f);
+  pixel.still_ray({{0.7f, 0.7f, {0, 2, 0}, 1}}, 0.7f);
+  pixel.still_ray({{0.8f, 0.8f, {0, 2, 0}, 1}}, 0.8f);
+  pixel.still_ray({}, 0.9f);
+  pixel.builder().set_still(1, 0.5f);
+  // S = (0, 1.25, 0.25), S' = (0, 1, 0).
+  EXPECT_EQ(pixel.means().colour, (Vec3f{0.5f, 0.5f + 0.125f, 0.125f}));
+  EXPECT_EQ(pixel.means().coverage, 1 - 0.125f);
+  EXPECT_EQ(pixel.means(TimeWeight({{0, 2}, {0.5, 2}})).colour, (Vec3f{1, 0.125f, 0.125f}));
+  EXPECT_EQ(pixel.means(TimeWeight({{0, 3}, {1, 3}})).colour, (Vec3f{1.5f, 1.5f + 0.375f, 0.375f}));
 }
 
 }  // namespace

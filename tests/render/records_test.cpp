@@ -55,7 +55,6 @@ struct Kept {
   std::vector<SeenPart> parts;
   std::vector<Knot> knots;
   std::vector<KnotSurface> surfaces;
-  std::vector<SeenStill> seen;
 };
 
 class Keeper : public PixelConsumer {
@@ -72,11 +71,9 @@ class Keeper : public PixelConsumer {
             copy(record.still.rays),
             copy(record.parts),
             copy(record.knots),
-            copy(record.surfaces),
-            copy(record.still.seen)};
+            copy(record.surfaces)};
     kept.record.rays = kept.rays;
     kept.record.still.rays = kept.still_rays;
-    kept.record.still.seen = kept.seen;
     kept.record.parts = kept.parts;
     kept.record.knots = kept.knots;
     kept.record.surfaces = kept.surfaces;

@@ -115,7 +115,7 @@ TEST(Clusters, PartsCoverEverySegmentExactly) {
   Tracer::Workspace workspace;
   size_t longest = 0;
   for (const int samples : {1, 4, 50}) {
-    SegmentShading shading(context.shader, {samples, Clusters::on});
+    SegmentShading shading(context.shader, {static_cast<double>(samples), Clusters::on});
     for (int y = 0; y < shot.projection.height; ++y)
       for (int x = 0; x < shot.projection.width; ++x) {
         const SamplePoint point{0.3f, 0.6f, 0.7f};
@@ -156,7 +156,7 @@ TEST(PixelClusters, PartsCoverEverySegmentOfEveryRayExactly) {
   Tracer::Workspace workspace;
   size_t shared = 0, cut = 0;
   for (const int samples : {1, 8, 300}) {
-    PacketShading shading(context.shader, {samples, Clusters::pixel});
+    PacketShading shading(context.shader, {static_cast<double>(samples), Clusters::pixel});
     for (int y = 0; y < shot.projection.height; ++y)
       for (int x = 0; x < shot.projection.width; ++x) {
         std::vector<Ray> rays;
