@@ -16,6 +16,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <kairos/names.h>
 #include <kairos/tracer.h>
 
 #include "base/parallel.h"
@@ -44,7 +45,7 @@ TracerOptions tracer_options(const Options& options) {
   TracerOptions result;
   result.precision = Precision::fast;
   if (!options.instruction_set.empty()) {
-    result.instruction_set = parse_instruction_set(options.instruction_set);
+    result.instruction_set = parse<InstructionSet>(options.instruction_set);
     if (!result.instruction_set) throw Error(ErrorCode::bad_usage, "--instruction-set", "there is none of that name");
   }
   return result;

@@ -14,10 +14,10 @@
 #include <fmt/format.h>
 
 #include <kairos/error.h>
+#include <kairos/names.h>
 #include <kairos/render.h>
 
 #include "motion/motion_mask.h"
-#include "render/names.h"
 #include "scene/scene.h"
 
 namespace kairos {
@@ -32,8 +32,7 @@ struct Options {
 };
 
 IntegratorKind parse_name(const std::string& text) {
-  for (const auto& [name, kind] : kIntegratorNames)
-    if (name == text) return kind;
+  if (const auto kind = parse<IntegratorKind>(text)) return *kind;
   throw Error(ErrorCode::bad_usage, "--methods", "give integrators that kairos render has");
 }
 
@@ -187,8 +186,7 @@ int run(int argc, char** argv) {
       throw Error(ErrorCode::bad_usage, "--crop", "give it as X0,X1,Y0,Y1");
     o.params.crop = c;
   }
-  for (const auto& [name, kind] : kShadingNames)
-    if (name == shading_name) o.params.shading = kind;
+  o.params.shading = parse<ShadingKind>(shading_name).value_or(o.params.shading);
   report(o);
   return 0;
 }

@@ -16,11 +16,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <kairos/compare.h>
 #include <kairos/error.h>
+#include <kairos/names.h>
 #include <kairos/render.h>
-
-#include "metrics/compare.h"
-#include "render/names.h"
 
 namespace kairos {
 namespace {
@@ -101,8 +100,8 @@ void report(const Shot& shot, RenderParams params, int seeds, const std::vector<
         whole.push_back(difference(reference, image, "").psnr);
       }
       const Row row{median(evaluations), median(microseconds), median(shading), median(whole)};
-      fmt::print("{:3}  {:8}  {:15.2f}  {:6.2f}  {:13.2f} dB  {:13.2f} dB\n", n, name_of(kClustersNames, clusters),
-                 row.evaluations, row.microseconds, row.shading_error, row.picture_error);
+      fmt::print("{:3}  {:8}  {:15.2f}  {:6.2f}  {:13.2f} dB  {:13.2f} dB\n", n, to_string(clusters), row.evaluations,
+                 row.microseconds, row.shading_error, row.picture_error);
       (clusters == Clusters::on ? with : without).push_back(row);
     }
   fmt::print("time with clusters for the error of shading without:");
@@ -142,11 +141,9 @@ int run(int argc, char** argv) {
       throw Error(ErrorCode::bad_usage, "--shutter", "give it as OPEN,CLOSE");
     options.shutter = {open, close};
   }
-  const auto* shading = std::find_if(std::begin(kShadingNames), std::end(kShadingNames),
-                                     [&](const auto& known) { return known.first == shading_name; });
-  if (shading == std::end(kShadingNames))
-    throw Error(ErrorCode::bad_usage, "--shading", "give one of those that kairos render has");
-  params.shading = shading->second;
+  const std::optional<ShadingKind> shading = parse<ShadingKind>(shading_name);
+  if (!shading) throw Error(ErrorCode::bad_usage, "--shading", "give one of those that kairos render has");
+  params.shading = *shading;
   const auto scene = load_scene(scenes);
   report(make_shot(*scene, options), params, seeds, samples);
   return 0;

@@ -96,12 +96,12 @@ void add_instruction_set(CLI::App& app, std::optional<InstructionSet>& out) {
   app.add_option_function<std::string>(
          "--instruction-set",
          [&out](const std::string& text) {
-           out = parse_instruction_set(text);
+           out = parse<InstructionSet>(text);
            if (!out)
              throw CLI::ValidationError("--instruction-set",
                                         fmt::format("'{}' is not one of: scalar, sse4, avx2, avx512, neon", text));
          },
-         "Kernels to use (default: the best that the machine has)")
+         "Kernels and Embree's code to use (default: the best that the machine has)")
       ->type_name("scalar|sse4|avx2|avx512|neon");
 }
 

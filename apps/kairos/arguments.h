@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <kairos/names.h>
 #include <kairos/scene.h>
 #include <kairos/tracer.h>
 
@@ -37,32 +39,32 @@ CLI::Option* add_count(CLI::App& app, const std::string& name, Number& out, uint
       ->default_str(std::to_string(out));
 }
 
-/// The value that `table` has under a name.
-template <class Value, size_t N>
-Value parse_choice(const std::string& option, std::string_view text,
-                   const std::pair<std::string_view, Value> (&table)[N]) {
+/// What shows surfaces: other shadings neither take time that could be measured nor have a reference.
+inline constexpr std::span<const Named<ShadingKind>> kSurfaceShadings = std::span(kNames<ShadingKind>).first(3);
+
+/// The value with that name, of an enum or of those of its values that are offered.
+template <class Enum>
+Enum parse_choice(const std::string& option, std::string_view text,
+                  std::span<const Named<Enum>> offered = kNames<Enum>) {
   std::string known;
-  for (const auto& [name, value] : table) {
+  for (const auto& [name, value] : offered) {
     if (name == text) return value;
     known += (known.empty() ? "" : ", ") + std::string(name);
   }
   throw CLI::ValidationError(option, fmt::format("'{}' is not one of: {}", text, known));
 }
 
-/// An option that takes one of the table's names.
-template <class Value, size_t N>
-CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& out,
-                        const std::pair<std::string_view, Value> (&table)[N], const std::string& help) {
-  std::string choices, current;
-  for (const auto& [choice, value] : table) {
-    choices += (choices.empty() ? "" : "|") + std::string(choice);
-    if (value == out) current = choice;
-  }
+/// An option that takes one of an enum's names.
+template <class Enum>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, Enum& out, const std::string& help,
+                        std::span<const Named<Enum>> offered = kNames<Enum>) {
+  std::string choices;
+  for (const auto& choice : offered) choices += (choices.empty() ? "" : "|") + std::string(choice.first);
   return app
       .add_option_function<std::string>(
-          name, [&out, &table, name](const std::string& text) { out = parse_choice(name, text, table); }, help)
+          name, [&out, offered, name](const std::string& text) { out = parse_choice<Enum>(name, text, offered); }, help)
       ->type_name(choices)
-      ->default_str(current);
+      ->default_str(std::string(to_string(out)));
 }
 
 /// Which scene, and which stretch of its time: what every subcommand asks.

@@ -2,15 +2,12 @@
 #include <memory>
 
 #include <kairos/error.h>
+#include <kairos/files.h>
 #include <kairos/render.h>
 
 #include "arguments.h"
-#include "base/atomic_file.h"
 #include "commands.h"
 #include "interrupt.h"
-#include "render/names.h"
-#include "scene/scene.h"
-#include "scene_io/calibration_file.h"
 
 namespace kairos::cli {
 
@@ -40,14 +37,10 @@ void run_calibrate(const CalibrateArguments& arguments) {
   check_writable(arguments.out);
   const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
   if (!arguments.quiet)
-    for (const std::string& warning : scene->warnings) fmt::print(stderr, "warning: {}\n", warning);
+    for (const std::string& warning : contents(*scene).warnings) fmt::print(stderr, "warning: {}\n", warning);
   const Shot shot = make_shot(*scene, arguments.scene.shot);
-  const CalibrationFile result{measure(shot, arguments.params),
-                               std::string(name_of(kShadingNames, arguments.params.shading))};
-  const std::string text = calibration_text(result);
-  AtomicFile file(arguments.out);
-  file.write(text.data(), text.size());
-  file.commit();
+  const CalibrationFile result{measure(shot, arguments.params), arguments.params.shading};
+  write_calibration(result, arguments.out);
   if (arguments.quiet) return;
   const Calibration& c = result.calibration;
   fmt::print(stderr, "a discrete sample takes {:.0f} ns, a still ray {:.0f} ns, a time-continuous ray",
@@ -65,10 +58,10 @@ void add_calibrate_command(CLI::App& app, Action& chosen) {
   RenderParams& params = arguments->params;
   add_scene_arguments(command, arguments->scene);
   command.add_option("-o,--output", arguments->out, "The file to write")->type_name("FILE.json")->required();
-  add_choice(command, "--shading", params.shading, kShadingNames, "As for render: rays are shaded, too");
+  add_choice(command, "--shading", params.shading, "As for render: rays are shaded, too", kSurfaceShadings);
   add_count(command, "--max-depth", params.max_depth, 0, 64, "As for render");
   add_count(command, "--shading-samples", params.shading_samples, 1, 1u << 16, "As for render");
-  add_choice(command, "--clusters", params.clusters, kClustersNames, "As for render");
+  add_choice(command, "--clusters", params.clusters, "As for render");
   add_instruction_set(command, params.instruction_set);
   command.add_flag("--quiet", arguments->quiet, "Errors only");
   command.callback([arguments, &chosen] {

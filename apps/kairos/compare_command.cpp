@@ -1,17 +1,14 @@
 // kairos compare: how far pictures are from a reference, in numbers and side by side.
 #include <memory>
 
+#include <kairos/compare.h>
 #include <kairos/error.h>
 #include <kairos/image.h>
 
 #include "arguments.h"
-#include "base/atomic_file.h"
 #include "commands.h"
 #include "frames.h"
-#include "image/read_exr.h"
 #include "interrupt.h"
-#include "metrics/compare.h"
-#include "metrics/flicker.h"
 
 namespace kairos::cli {
 
@@ -33,9 +30,9 @@ void compare_sequences(const CompareArguments& arguments) {
   for (const std::string& image : arguments.images) names.emplace_back("IMAGE", image);
   std::vector<SequenceMeter> meters(names.size());
   for (int frame = arguments.frames->first; frame <= arguments.frames->last; ++frame) {
-    const Image reference = read_exr(reference_name.at(frame));
+    const Image reference = read_image(reference_name.at(frame));
     for (size_t i = 0; i < names.size(); ++i)
-      meters[i].add(reference, read_exr(names[i].at(frame)), names[i].at(frame));
+      meters[i].add(reference, read_image(names[i].at(frame)), names[i].at(frame));
   }
   for (size_t i = 0; i < names.size(); ++i) {
     const SequenceDifference result = meters[i].result();
@@ -47,9 +44,9 @@ void compare_sequences(const CompareArguments& arguments) {
 void run_compare(const CompareArguments& arguments) {
   if (arguments.frames) return compare_sequences(arguments);
   if (!arguments.side_by_side.empty()) check_writable_image(arguments.side_by_side);
-  const Image reference = read_exr(arguments.reference);
+  const Image reference = read_image(arguments.reference);
   std::vector<Image> images;
-  for (const std::string& path : arguments.images) images.push_back(read_exr(path));
+  for (const std::string& path : arguments.images) images.push_back(read_image(path));
 
   std::vector<Difference> differences;
   for (size_t i = 0; i < images.size(); ++i)
@@ -64,10 +61,7 @@ void run_compare(const CompareArguments& arguments) {
                                       ? ""
                                       : fmt::format("{}  {:.1f} dB", arguments.labels[i], differences[i].psnr)});
   const Image joined = side_by_side(panels, arguments.zoom);
-  begin_polling();  // a signal waits until the picture is there
-  write_image(joined, arguments.side_by_side);
-  end_polling();
-  if (interrupted()) throw Error(ErrorCode::cancelled, "", "interrupted");
+  write_interruptibly(joined, arguments.side_by_side);
 }
 
 }  // namespace
@@ -75,8 +69,9 @@ void run_compare(const CompareArguments& arguments) {
 void add_compare_command(CLI::App& app, Action& chosen) {
   CLI::App& compare = *app.add_subcommand("compare", "Say how far pictures are from a reference");
   const auto out = std::make_shared<CompareArguments>();
-  compare.add_option("REFERENCE", out->reference, "The picture that counts as right, EXR")->required();
-  compare.add_option("IMAGE", out->images, "Pictures of the same size, EXR")->required();
+  compare.add_option("REFERENCE", out->reference, "The picture that counts as right: EXR, PNG, JPEG, TGA or HDR")
+      ->required();
+  compare.add_option("IMAGE", out->images, "Pictures of the same size")->required();
   compare
       .add_option("--side-by-side", out->side_by_side,
                   "Write the pictures (not the reference) next to each other, in the order given")

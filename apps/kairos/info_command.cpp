@@ -7,7 +7,6 @@
 #include "arguments.h"
 #include "commands.h"
 #include "report.h"
-#include "scene/scene.h"
 
 namespace kairos::cli {
 
@@ -31,7 +30,7 @@ nlohmann::ordered_json mesh_json(const Mesh& mesh) {
   return json;
 }
 
-nlohmann::ordered_json camera_json(const SceneCamera& camera) {
+nlohmann::ordered_json camera_json(const SceneContents::Camera& camera) {
   nlohmann::ordered_json json;
   json["name"] = camera.name;
   json["type"] = camera.orthographic ? "orthographic" : "perspective";
@@ -42,7 +41,7 @@ nlohmann::ordered_json camera_json(const SceneCamera& camera) {
   return json;
 }
 
-nlohmann::ordered_json describe(const Scene& scene, const Shot& shot, double seconds) {
+nlohmann::ordered_json describe(const SceneContents& scene, const Shot& shot, double seconds) {
   nlohmann::ordered_json json;
   uint64_t keys = 0;
   auto meshes = nlohmann::ordered_json::array();
@@ -51,7 +50,7 @@ nlohmann::ordered_json describe(const Scene& scene, const Shot& shot, double sec
     keys += mesh.key_count();
   }
   auto cameras = nlohmann::ordered_json::array();
-  for (const SceneCamera& camera : scene.cameras) cameras.push_back(camera_json(camera));
+  for (const SceneContents::Camera& camera : scene.cameras) cameras.push_back(camera_json(camera));
   json["triangles"] = triangle_count(shot.meshes);
   json["keys"] = keys;
   json["meshes"] = meshes;
@@ -78,7 +77,7 @@ std::string key_times_text(const Mesh& mesh) {
   return mesh.key_count() > kMostShown ? text + " ... 1" : text;
 }
 
-void print_text(const Scene& scene, const Shot& shot, double seconds) {
+void print_text(const SceneContents& scene, const Shot& shot, double seconds) {
   fmt::print("{} meshes, {} triangles, {} of geometry, loaded in {:.2f} s with {} at most\n", shot.meshes.size(),
              triangle_count(shot.meshes), megabytes(mesh_bytes(shot.meshes)), seconds, megabytes(peak_memory_bytes()));
   fmt::print("{}x{} pixels, shutter {} to {} (scene time), camera {}\n", shot.projection.width, shot.projection.height,
@@ -86,7 +85,7 @@ void print_text(const Scene& scene, const Shot& shot, double seconds) {
   for (const Mesh& mesh : shot.meshes)
     fmt::print("mesh '{}': {} triangles, {}, {}\n", mesh.name, mesh.triangles.size(), key_times_text(mesh),
                megabytes(mesh_bytes(mesh)));
-  for (const SceneCamera& camera : scene.cameras)
+  for (const SceneContents::Camera& camera : scene.cameras)
     fmt::print("camera '{}': {}\n", camera.name,
                camera.orthographic ? fmt::format("orthographic, {:.4g} high", camera.view_height)
                                    : fmt::format("perspective, {:.4g} degrees high", camera.vfov * kDegrees));
@@ -100,10 +99,11 @@ void run_info(const InfoArguments& arguments) {
   const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
   const Shot shot = make_shot(*scene, arguments.scene.shot);
   const double seconds = loading.seconds();
+  const SceneContents held = contents(*scene);
   if (arguments.json)
-    fmt::print("{}\n", describe(*scene, shot, seconds).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    fmt::print("{}\n", describe(held, shot, seconds).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   else
-    print_text(*scene, shot, seconds);
+    print_text(held, shot, seconds);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 #include <unistd.h>
 
+#include <kairos/error.h>
+
 namespace kairos::cli {
 
 namespace {
@@ -32,5 +34,17 @@ void install_interrupt_handler() {
 void begin_polling() { polling = true; }
 void end_polling() { polling = false; }
 bool interrupted() { return requested; }
+
+void write_interruptibly(const Image& image, const std::string& path, WriteOptions options) {
+  options.go_on = [] { return !interrupted(); };
+  begin_polling();
+  try {
+    write_image(image, path, options);
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::cancelled) throw;
+  }
+  end_polling();
+  if (interrupted()) throw Error(ErrorCode::cancelled, "", "interrupted");
+}
 
 }  // namespace kairos::cli

@@ -12,8 +12,6 @@
 #include <kairos/error.h>
 #include <kairos/picture.h>
 
-#include "render/names.h"
-
 namespace kairos::cli {
 
 namespace {

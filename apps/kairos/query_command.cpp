@@ -18,7 +18,6 @@
 #include "pixel_query.h"
 #include "ray_reader.h"
 #include "sampling_arguments.h"
-#include "scene/scene.h"
 
 namespace kairos::cli {
 

@@ -5,20 +5,18 @@
 #include <set>
 
 #include <kairos/error.h>
+#include <kairos/files.h>
 #include <kairos/render.h>
 
 #include "arguments.h"
-#include "base/atomic_file.h"
 #include "commands.h"
 #include "frame_mark.h"
 #include "frames.h"
 #include "interrupt.h"
 #include "progress_bar.h"
-#include "render/names.h"
 #include "render_stats.h"
 #include "report.h"
 #include "sampling_arguments.h"
-#include "scene/scene.h"
 
 namespace kairos::cli {
 
@@ -130,16 +128,10 @@ void render_job(const RenderArguments& arguments, const Job& job, const std::str
   image.attributes.push_back({"kairos:command_line", arguments.command_line});
   if (!mark.empty()) image.attributes.push_back({kFrameMarkName, mark});
   const Stopwatch writing;
-  begin_polling();  // a signal waits until the picture is there
-  write_image(image, job.out, arguments.write);
-  end_polling();
-  if (interrupted()) throw Error(ErrorCode::cancelled, "", "interrupted");
+  write_interruptibly(image, job.out, arguments.write);
   timings.write = writing.seconds();
   if (!job.stats_file.empty()) {
-    const std::string text = stats_text(arguments.sampling.params, shot, stats, timings);
-    AtomicFile file(job.stats_file);
-    file.write(text.data(), text.size());
-    file.commit();
+    write_file(job.stats_file, stats_text(arguments.sampling.params, shot, stats, timings));
   }
 }
 
@@ -157,7 +149,7 @@ void run_render(RenderArguments& arguments) {
   const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
   Timings timings;
   timings.load = loading.seconds();
-  for (const std::string& warning : scene->warnings) log(arguments, "warning: " + warning);
+  for (const std::string& warning : contents(*scene).warnings) log(arguments, "warning: " + warning);
   std::set<std::string> told;  // notes are much the same for every frame
   const Stopwatch rendering;
   for (size_t i = 0; i < jobs.size(); ++i) {
@@ -179,7 +171,7 @@ void add_picture_options(CLI::App& app, RenderArguments& out) {
            params.aovs.clear();
            for (std::string_view rest = text;;) {
              const size_t comma = rest.find(',');
-             const Aov aov = parse_choice("--aov", rest.substr(0, comma), kAovNames);
+             const Aov aov = parse_choice<Aov>("--aov", rest.substr(0, comma));
              if (std::find(params.aovs.begin(), params.aovs.end(), aov) != params.aovs.end())
                throw CLI::ValidationError("--aov", fmt::format("'{}' is named twice", rest.substr(0, comma)));
              params.aovs.push_back(aov);

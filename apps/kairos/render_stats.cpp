@@ -2,7 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/names.h"
+#include <kairos/names.h>
+
 #include "report.h"
 
 namespace kairos::cli {
@@ -43,7 +44,7 @@ std::string stats_text(const RenderParams& params, const Shot& shot, const Rende
   json["shading_samples"] = stats.shading_samples;
   json["threads"] = stats.threads;
   json["instruction_set"] = stats.instruction_set ? std::string(to_string(*stats.instruction_set)) : "embree";
-  json["integrator"] = name_of(kIntegratorNames, params.integrator);
+  json["integrator"] = to_string(params.integrator);
   json["samples"] = tc ? params.tc_rays : params.spp;
   json["seed"] = params.seed;
   if (stats.prices) {

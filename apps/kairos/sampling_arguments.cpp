@@ -1,9 +1,7 @@
 #include "sampling_arguments.h"
 
 #include <kairos/error.h>
-
-#include "render/names.h"
-#include "scene_io/calibration_file.h"
+#include <kairos/names.h>
 
 namespace kairos::cli {
 
@@ -11,21 +9,21 @@ void add_sampling_options(CLI::App& app, SamplingArguments& out) {
   constexpr uint64_t kMostSamples = 1u << 20, kMostShadingSamples = 1u << 16;
   RenderParams& params = out.params;
   add_choice(
-      app, "--integrator", params.integrator, kIntegratorNames,
+      app, "--integrator", params.integrator,
       "tc: time-continuous rays, exact in time; qmc: discrete rays; mixed: tc where anything moves, discrete rays "
       "for what stands still; auto: mixed, rays chosen per pixel for the time of --spp discrete samples");
   add_count(app, "--tc-rays", params.tc_rays, 1, kMostSamples,
             "Rays per pixel of tc, and of mixed where anything moves");
   add_count(app, "--shading-samples", params.shading_samples, 1, kMostShadingSamples,
             "Shading samples per time-continuous ray");
-  add_choice(app, "--clusters", params.clusters, kClustersNames,
+  add_choice(app, "--clusters", params.clusters,
              "What is shaded as one. on: triangles that follow on each other smoothly; pixel: a triangle, over a "
              "pixel's rays; "
              "off: nothing. auto: on for whitted, pixel for the others");
   add_count(app, "--spp", params.spp, 1, kMostSamples,
             "Samples per pixel of qmc; of mixed: discrete rays; of auto: the budget");
-  add_choice(app, "--sampler", params.sampler, kSamplerNames, "Where in the pixel, and when, samples are taken");
-  add_choice(app, "--shading", params.shading, kAllShadingNames,
+  add_choice(app, "--sampler", params.sampler, "Where in the pixel, and when, samples are taken");
+  add_choice(app, "--shading", params.shading,
              "normal: |normal| as colour; flat: base colour, unlit; whitted: lit, with shadows, mirrors and glass; "
              "bounds: blue to red, for how long rays meet moving meshes' boxes as the kernels see it, bounds-exact: "
              "as it is");
@@ -34,7 +32,7 @@ void add_sampling_options(CLI::App& app, SamplingArguments& out) {
                  "What rays cost, by which auto chooses them: a file of kairos calibrate, or default: estimated")
       ->type_name("FILE|default");
   add_count(app, "--seed", params.seed, 0, UINT64_MAX, "Another seed gives another noise");
-  add_choice(app, "--filter", params.filter, kFilterNames, "Pixel filter");
+  add_choice(app, "--filter", params.filter, "Pixel filter");
   add_instruction_set(app, params.instruction_set);
 }
 
@@ -47,12 +45,12 @@ void read_calibration_into(SamplingArguments& arguments) {
   if (arguments.params.integrator != IntegratorKind::automatic)
     throw Error(ErrorCode::bad_usage, "--calibration", "only the integrator auto chooses rays by what they cost");
   const CalibrationFile file = read_calibration(arguments.calibration);
-  const auto shading = name_of(kAllShadingNames, arguments.params.shading);
-  if (file.shading != shading)
+  const std::string_view shading = to_string(arguments.params.shading);
+  if (file.shading != arguments.params.shading)
     throw Error(ErrorCode::bad_input, arguments.calibration,
                 fmt::format("was measured with '--shading {}', and this picture has '{}'; measure again with kairos "
                             "calibrate --shading {}",
-                            file.shading, shading, shading));
+                            to_string(file.shading), shading, shading));
   arguments.params.calibration = file.calibration;
 }
 

@@ -5,13 +5,12 @@
 #include <unistd.h>
 
 #include <kairos/error.h>
+#include <kairos/study.h>
 
 #include "arguments.h"
 #include "commands.h"
 #include "interrupt.h"
 #include "progress_bar.h"
-#include "render/names.h"
-#include "study/study.h"
 
 namespace kairos::cli {
 
@@ -106,19 +105,19 @@ CLI::Option* add_counts(CLI::App& app, const std::string& name, std::vector<int>
       ->default_str(shown);
 }
 
-/// An option that takes different names of a table, separated by commas.
-template <class Value, size_t N>
-CLI::Option* add_choices(CLI::App& app, const std::string& name, std::vector<Value>& out,
-                         const std::pair<std::string_view, Value> (&table)[N], const std::string& help) {
+/// An option that takes different names of an enum, separated by commas.
+template <class Enum>
+CLI::Option* add_choices(CLI::App& app, const std::string& name, std::vector<Enum>& out, const std::string& help,
+                         std::span<const Named<Enum>> offered = kNames<Enum>) {
   std::string shown;
-  for (const Value value : out) shown += (shown.empty() ? "" : ",") + std::string(name_of(table, value));
+  for (const Enum value : out) shown += (shown.empty() ? "" : ",") + std::string(to_string(value));
   return app
       .add_option_function<std::string>(
           name,
-          [&out, &table, name](const std::string& text) {
+          [&out, offered, name](const std::string& text) {
             out.clear();
             for_each_part(text, [&](std::string_view part) {
-              const Value value = parse_choice(name, part, table);
+              const Enum value = parse_choice<Enum>(name, part, offered);
               if (std::find(out.begin(), out.end(), value) != out.end())
                 throw CLI::ValidationError(name, fmt::format("'{}' is named twice", part));
               out.push_back(value);
@@ -165,8 +164,8 @@ void add_study_command(CLI::App& app, Action& chosen, const std::string& command
       ->required();
   add_count(command, "--rows", options.rows, 0, 65536,
             "Render only so many rows of pixels, spread evenly over the frame; 0: all");
-  add_choices(command, "--shading", options.shadings, kShadingNames, "One study each: normal, flat, whitted");
-  add_choices(command, "--methods", options.methods, study::kMethodNames,
+  add_choices(command, "--shading", options.shadings, "One study each: normal, flat, whitted", kSurfaceShadings);
+  add_choices(command, "--methods", options.methods,
               "What is compared; random, multi-jitter and owen-sobol are samplers of qmc");
   add_counts(command, "--budgets", options.budgets, 1, kMostSamples, "Samples per pixel of qmc and auto");
   add_counts(command, "--tc-rays", options.tc_rays, 1, kMostSamples, "Time-continuous rays per pixel of tc and mixed");
@@ -177,7 +176,7 @@ void add_study_command(CLI::App& app, Action& chosen, const std::string& command
   add_count(command, "--seeds", options.seeds, 1, 1000, "How often everything is measured");
   add_count(command, "--reference-spp", options.reference_spp, 1, kMostSamples,
             "Samples per pixel of each half of the reference, at most");
-  add_choice(command, "--clock", options.clock, study::kClockNames,
+  add_choice(command, "--clock", options.clock,
              "cpu: the processor's time; wall: time that passes (default: wall for more threads than one)");
   command.add_flag("--quick", arguments->quick, "Small pictures, few of them: two minutes for a small scene");
   command.add_flag("--force", options.force, "Throw away a study of other parameters in the folder");

@@ -4,9 +4,11 @@
 #include <stdexcept>
 #include <string>
 
+#include <kairos/export.h>
+
 namespace kairos {
 
-enum class ErrorCode {
+enum class KAIROS_API ErrorCode {
   bad_input,  ///< a file or a scene that cannot be used
   bad_usage,  ///< arguments that make no sense
   io,         ///< the operating system refused to read or write
@@ -14,7 +16,7 @@ enum class ErrorCode {
 };
 
 /// what() is one line: "place: message", where place names a file and, if known, a line or a JSON path.
-class Error : public std::runtime_error {
+class KAIROS_API Error : public std::runtime_error {
  public:
   Error(ErrorCode error_code, const std::string& place, const std::string& message)
       : std::runtime_error(place.empty() ? message : place + ": " + message), code_(error_code) {}

@@ -3,9 +3,12 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <variant>
 #include <vector>
+
+#include <kairos/export.h>
 
 namespace kairos {
 
@@ -33,23 +36,39 @@ struct Image {
   int width = 0, height = 0;              ///< pixels held
   int left = 0, top = 0;                  ///< where they lie in the full frame
   int frame_width = 0, frame_height = 0;  ///< of the full frame
+  double pixel_aspect = 1;                ///< a pixel's width over its height, where it is shown
   std::vector<Channel> channels;
   std::vector<Attribute> attributes;
 
   /// nullptr when there is none of that name.
-  const Channel* find(const std::string& name) const;
+  KAIROS_API const Channel* find(const std::string& name) const;
 };
 
 struct WriteOptions {
   bool half = false;  ///< 16-bit colours in EXR
+  /// Asked now and then while the file is written: false leaves nothing behind and throws Error(cancelled).
+  std::function<bool()> go_on = {};
 };
 
 /// Writes EXR (all channels, attributes in the header, crop as data window) or PNG (colour alone, sRGB, 8 bit), as the
 /// path's extension says, to a temporary file beside it that is renamed at the end: nobody sees half a file.
 /// Throws Error(bad_usage) for another extension, Error(io) when writing fails.
-void write_image(const Image& image, const std::string& path, const WriteOptions& options = {});
+KAIROS_API void write_image(const Image& image, const std::string& path, const WriteOptions& options = {});
 
 /// Throws what write_image would, as far as that is known before there is an image.
-void check_writable_image(const std::string& path);
+KAIROS_API void check_writable_image(const std::string& path);
+
+/// Reads EXR (all channels, and the attributes of the kinds that Attribute knows, in alphabetical order), or PNG, JPEG,
+/// TGA and HDR (R, G and B as linear values, and A). Refuses what would need more than `byte_limit` bytes of pixels.
+/// Throws Error(io) or Error(bad_input).
+KAIROS_API Image read_image(const std::string& path, uint64_t byte_limit = uint64_t{1} << 32);
+
+/// A picture for surfaces to show, in memory. Rows from the top, four values per pixel: red, green, blue, alpha. One of
+/// the two lists is empty.
+struct Pixels {
+  int width = 0, height = 0;
+  std::vector<uint8_t> codes;  ///< 0 to 255, as formats of 8 bits hold them: usually sRGB
+  std::vector<float> values;   ///< linear
+};
 
 }  // namespace kairos

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <kairos/export.h>
 #include <kairos/vec.h>
 
 namespace kairos {
@@ -37,6 +38,6 @@ struct Mesh {
 };
 
 /// Throws Error(bad_input) that names the first broken invariant.
-void validate_mesh(const Mesh& mesh);
+KAIROS_API void validate_mesh(const Mesh& mesh);
 
 }  // namespace kairos

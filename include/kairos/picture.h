@@ -1,6 +1,7 @@
 // The reduction of pixels to pictures.
 #pragma once
 
+#include <kairos/export.h>
 #include <kairos/image.h>
 #include <kairos/record.h>
 #include <kairos/render.h>
@@ -21,10 +22,10 @@ struct PixelMeans {
 };
 
 /// weight: of instants; the integral of what is seen times the weight is exact. count_meshes: find out mesh_id.
-PixelMeans reduce(const PixelRecord& record, const TimeWeight& weight = {}, bool count_meshes = true);
+KAIROS_API PixelMeans reduce(const PixelRecord& record, const TimeWeight& weight = {}, bool count_meshes = true);
 
 /// A picture under any weight of time. The channels are those of RenderParams::aovs beside the colour.
-class Picture : public PixelConsumer {
+class KAIROS_API Picture : public PixelConsumer {
  public:
   /// Of the frame, or of the crop inside of it that `params` names. Under another weight than a box it needs curves.
   /// Throws Error(bad_usage) for an AOV named twice and a crop that is not in the frame.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 
+#include <kairos/export.h>
 #include <kairos/tracer.h>
 
 namespace kairos {
@@ -100,7 +101,7 @@ struct RecordNeeds {
 };
 
 /// Makes something of pixels: a picture, curves in time, events.
-class PixelConsumer {
+class KAIROS_API PixelConsumer {
  public:
   virtual ~PixelConsumer() = default;
   /// Asked once, before the first pixel.

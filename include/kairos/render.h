@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include <kairos/export.h>
 #include <kairos/image.h>
 #include <kairos/record.h>
 #include <kairos/scene.h>
@@ -76,6 +77,16 @@ struct Calibration {
   std::array<double, kRays.size()> tc_ray{};  ///< a time-continuous ray, of kRays in a pixel; above 0
 };
 
+/// A calibration, and the shading that it was measured with.
+struct CalibrationFile {
+  Calibration calibration;
+  ShadingKind shading = ShadingKind::normal;
+};
+/// JSON, from which the same numbers are read. Throw Error(io) when the system refuses; reading throws Error(bad_input)
+/// for a file that is none or holds numbers that make no sense.
+KAIROS_API CalibrationFile read_calibration(const std::string& path);
+KAIROS_API void write_calibration(const CalibrationFile& file, const std::string& path);
+
 /// In units of one discrete sample of everything; see Calibration.
 struct RayPrices {
   std::array<double, Calibration::kRays.size()> tc_ray{8, 8, 8};
@@ -102,9 +113,11 @@ struct RenderParams {
   std::vector<Aov> aovs;
   std::optional<Crop> crop;  ///< unset: the whole frame; its pixels are those of the whole frame, bit for bit
   uint64_t seed = 0;
-  int threads = 0;                                ///< 0: as many as the machine has; no effect on the picture.
-                                                  ///< Pictures rendered at the same time do not bind each other
-  std::optional<InstructionSet> instruction_set;  ///< tc: unset: the best one
+  int threads = 0;  ///< 0: as many as the machine has; no effect on the picture. Pictures rendered at the same time do
+                    ///< not bind each other
+  /// Of the kernels and of Embree, which rounds differently with each; unset: the best one. Where the picture of two
+  /// machines must have the same bits, name one that both have.
+  std::optional<InstructionSet> instruction_set;
   /// automatic: what rays cost in this shot. Unset: estimated from how much work a few of them are. The picture depends
   /// on these numbers, and never on how long anything takes while it is rendered.
   std::optional<Calibration> calibration;
@@ -140,6 +153,7 @@ struct RenderStats {
   std::optional<RayPrices> prices;                ///< automatic: by which rays were chosen; unset where nothing moves
   int threads = 0;                                ///< used
   std::optional<InstructionSet> instruction_set;  ///< of the tc kernels; unset: discrete rays
+  std::optional<InstructionSet> embree_instruction_set;  ///< of discrete rays; unset: tc alone
 };
 
 /// Told the fraction done, 0 to 1, by the thread that called: at once, about twenty times a second while other threads
@@ -149,7 +163,7 @@ using Progress = std::function<bool(double fraction)>;
 
 /// Renders a shot again and again: what is expensive is made once, when a picture first needs it, and kept. A picture
 /// does not depend on those before it.
-class Renderer {
+class KAIROS_API Renderer {
  public:
   /// The shot, in camera space, must outlive the renderer and not change. Throws Error(bad_input) when it breaks an
   /// invariant: everything behind this door relies on them.
@@ -179,10 +193,10 @@ class Renderer {
 };
 
 /// Says in the image's attributes how it was made.
-void describe(Image& image, const Shot& shot, const RenderParams& params, const RenderStats& stats);
+KAIROS_API void describe(Image& image, const Shot& shot, const RenderParams& params, const RenderStats& stats);
 
 /// Renders a single picture.
-Image render(const Shot& shot, const RenderParams& params = {}, RenderStats* stats = nullptr,
-             const Progress& progress = {});
+KAIROS_API Image render(const Shot& shot, const RenderParams& params = {}, RenderStats* stats = nullptr,
+                        const Progress& progress = {});
 
 }  // namespace kairos

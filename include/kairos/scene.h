@@ -1,6 +1,7 @@
 // A scene as files describe it, and one opening of the shutter on it.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -8,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include <kairos/export.h>
 #include <kairos/mesh.h>
 
 namespace kairos {
@@ -89,15 +91,56 @@ struct Scene;
 /// Reads OBJ, PLY, glTF 2.0, GLB, pbrt (v3 and v4) and native JSON. Several OBJ or PLY files are motion keys of one
 /// mesh, spread evenly over the time 0 to 1; several files of other kinds are put together. Throws Error(bad_input) or
 /// Error(io).
-std::shared_ptr<const Scene> load_scene(const std::vector<std::string>& paths, const LoadOptions& options = {});
+KAIROS_API std::shared_ptr<const Scene> load_scene(const std::vector<std::string>& paths,
+                                                   const LoadOptions& options = {});
 
-/// Where film points go: camera space looks along -z, y up.
-struct Projection {
-  int width = 960, height = 540;  ///< pixels
+/// m[column][row], as in glTF: a point p goes to m[0] p.x + m[1] p.y + m[2] p.z + m[3].
+using Matrix = std::array<std::array<double, 4>, 4>;
+
+/// What a camera's lens does. Camera space looks along -z, y up.
+struct Lens {
   bool orthographic = false;
-  double vfov = 0.7853981633974483;  ///< full vertical field of view, radians (perspective)
+  double vfov = 0.7853981633974483;  ///< full vertical field of view without shift, radians (perspective)
   double view_height = 2;            ///< height of the view, world units (orthographic)
+  double pixel_aspect = 1;           ///< what a pixel sees: its width over its height
+  /// How far the middle of the picture lies to the right of the view axis, and above it: parts of the height of the
+  /// view.
+  std::array<double, 2> shift{0, 0};
+  /// In place of all of these: from camera space to clip space as OpenGL has it, so that x / w and y / w go from -1 to
+  /// 1 over the picture, whatever its size, from left to right and from bottom to top. Its last row is (0, 0, -1, 0),
+  /// or (0, 0, 0, 1) for an orthographic one, up to a positive factor; the eye is at the origin and the view along -z.
+  /// What becomes of z is of no concern.
+  std::optional<Matrix> matrix;
 };
+
+/// Where film points go.
+struct Projection : Lens {
+  int width = 960, height = 540;  ///< pixels
+};
+
+/// What a scene holds, by name.
+struct SceneContents {
+  struct Mesh {
+    std::string name;
+    size_t triangles = 0, vertices = 0;
+    uint32_t material = 0;  ///< index
+  };
+  struct Camera : Lens {
+    std::string name;
+  };
+  std::vector<Mesh> meshes;
+  std::vector<Camera> cameras;
+  std::vector<Material> materials;
+  std::vector<Light> lights;
+  std::vector<std::string> animations;  ///< those the files hold, played or not
+  std::vector<std::string> pictures;    ///< that have no file of their own
+  Vec3f background;
+  std::optional<std::array<double, 2>> shutter;  ///< open, close in scene time, where the scene says so
+  std::optional<std::array<int, 2>> image_size;  ///< width, height, where the scene says so
+  double fps = 24;                               ///< frames per unit of scene time
+  std::vector<std::string> warnings;             ///< one line each: what loading left out or took otherwise
+};
+KAIROS_API SceneContents contents(const Scene& scene);
 
 /// Which stretch of the scene's time the shutter is open for, and from where one looks.
 struct ShotOptions {
@@ -149,10 +192,10 @@ struct Shot {
 };
 
 /// Throws Error(bad_input) that names the first broken invariant of a shot.
-void validate_shot(const Shot& shot);
+KAIROS_API void validate_shot(const Shot& shot);
 
 /// Throws Error(bad_usage) for a camera that does not exist or times that make no sense, Error(bad_input) for a camera
 /// or a mesh that cannot be used.
-Shot make_shot(const Scene& scene, const ShotOptions& options = {});
+KAIROS_API Shot make_shot(const Scene& scene, const ShotOptions& options = {});
 
 }  // namespace kairos

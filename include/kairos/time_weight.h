@@ -4,10 +4,12 @@
 #include <array>
 #include <vector>
 
+#include <kairos/export.h>
+
 namespace kairos {
 
 /// A function of shutter time: straight lines between points, zero outside of them. Integrals are closed forms.
-class TimeWeight {
+class KAIROS_API TimeWeight {
  public:
   struct Point {
     double time = 0, weight = 0;

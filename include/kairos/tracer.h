@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include <kairos/export.h>
 #include <kairos/mesh.h>
 
 namespace kairos {
@@ -33,11 +34,9 @@ struct Segment {
 
 enum class InstructionSet { scalar, sse4, avx2, avx512, neon };
 
-std::string_view to_string(InstructionSet set);
-/// "scalar", "sse4", "avx2", "avx512", "neon"; nullopt for anything else.
-std::optional<InstructionSet> parse_instruction_set(std::string_view name);
+KAIROS_API std::string_view to_string(InstructionSet set);
 /// What this machine can run, best last; `scalar` is always among them.
-std::span<const InstructionSet> supported_instruction_sets();
+KAIROS_API std::span<const InstructionSet> supported_instruction_sets();
 
 /// Arithmetic of the triangle kernel. Both read the same float geometry.
 enum class Precision {
@@ -76,12 +75,12 @@ struct TraceCounters {
   uint64_t hits = 0;         ///< hit intervals put into the list before it is resolved
   uint64_t segments = 0;     ///< segments returned
 
-  TraceCounters& operator+=(const TraceCounters& other);
+  KAIROS_API TraceCounters& operator+=(const TraceCounters& other);
 };
 
 /// Says where surfaces are missing, as leaves are outside of what is painted on their triangles, and which of them are
 /// blended: seen, but hiding nothing. Must be safe to use from many threads at once.
-class CutOuts {
+class KAIROS_API CutOuts {
  public:
   virtual ~CutOuts() = default;
   /// False when nothing of the mesh is ever missing and it is not blended.
@@ -122,7 +121,7 @@ struct SeenByRay {
 /// Answers, for any ray: what is seen along it, and from when to when.
 ///
 /// Immutable and safe to use from many threads at once. Copies what it needs of the meshes.
-class Tracer {
+class KAIROS_API Tracer {
  public:
   /// Throws Error(bad_input) when a mesh breaks an invariant, Error(bad_usage) when the instruction set is not there.
   explicit Tracer(std::span<const Mesh> meshes, const TracerOptions& options = {});
@@ -131,7 +130,7 @@ class Tracer {
   Tracer& operator=(Tracer&&) noexcept;
 
   /// Scratch memory of one thread; it grows to what the deepest ray needed and is then reused.
-  class Workspace {
+  class KAIROS_API Workspace {
    public:
     Workspace();
     ~Workspace();
@@ -145,7 +144,7 @@ class Tracer {
 
    private:
     friend class Tracer;
-    struct State;
+    struct KAIROS_LOCAL State;
     std::unique_ptr<State> state_;
   };
 
@@ -182,7 +181,7 @@ class Tracer {
   size_t memory_bytes() const;
 
  private:
-  struct Impl;
+  struct KAIROS_LOCAL Impl;
   std::unique_ptr<Impl> impl_;
 };
 

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <kairos/export.h>
+
 namespace kairos {
 
 /// "major.minor.patch" of the library that is linked.
-const char* version();
+KAIROS_API const char* version();
 
 }  // namespace kairos

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <kairos/error.h>
+#include <kairos/files.h>
 
 namespace kairos {
 
@@ -55,6 +56,12 @@ bool flush_to_medium(int file) { return fsync(file) == 0 || errno == EINVAL || e
 }  // namespace
 
 void check_writable(const std::string& path) { const AtomicFile probe(path); }
+
+void write_file(const std::string& path, std::string_view bytes) {
+  AtomicFile file(path);
+  file.write(bytes.data(), bytes.size());
+  file.commit();
+}
 
 AtomicFile::AtomicFile(const std::string& path) : path_(target_of(path)) {
   struct stat old {};

@@ -7,9 +7,6 @@
 
 namespace kairos {
 
-/// Throws Error(io) when an AtomicFile could not be written at `path`.
-void check_writable(const std::string& path);
-
 /// Writes beside `path` under a name of its own; commit() puts it in its place, once its bytes are on the medium.
 /// Without commit nothing is left behind. Where `path` is a link, what it stands for is written. A file that is
 /// replaced hands on its permissions.

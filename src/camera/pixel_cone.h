@@ -6,13 +6,16 @@
 #include <kairos/scene.h>
 #include <kairos/tracer.h>
 
+#include "camera/film_plane.h"
+
 namespace kairos {
 
 class PixelCone {
  public:
-  explicit PixelCone(const Projection& projection)
-      : start_(projection.orthographic ? projection.view_height / projection.height : 0),
-        spread_(projection.orthographic ? 0 : 2 * std::tan(projection.vfov / 2) / projection.height) {}
+  explicit PixelCone(const Projection& projection) {
+    const FilmPlane plane(projection);
+    (plane.orthographic() ? start_ : spread_) = plane.pixel_side();
+  }
 
   /// Across the ray at `point` on it, in scene units. The ray's direction is as long as CameraRays makes it.
   double width_at(Vec3d point, const Ray& ray) const {
@@ -24,7 +27,7 @@ class PixelCone {
   double spread() const { return spread_; }
 
  private:
-  double start_, spread_;
+  double start_ = 0, spread_ = 0;
 };
 
 }  // namespace kairos

@@ -1,4 +1,4 @@
-// A decoded picture.
+// Pictures from their files.
 #pragma once
 
 #include <cstdint>
@@ -6,14 +6,9 @@
 #include <string>
 #include <vector>
 
-namespace kairos {
+#include <kairos/image.h>
 
-/// Rows from the top, four values per pixel: red, green, blue, alpha. One of the two lists is empty.
-struct Pixels {
-  int width = 0, height = 0;
-  std::vector<uint8_t> codes;  ///< 0 to 255, as formats of 8 bits hold them: usually sRGB
-  std::vector<float> values;   ///< linear
-};
+namespace kairos {
 
 /// The most pixels that a picture may have: 16384 x 8192.
 inline constexpr uint64_t kMaxPicturePixels = uint64_t{1} << 27;

@@ -1,5 +1,6 @@
 #include "image/read_exr.h"
 
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
@@ -80,6 +81,8 @@ void read_windows(const Imf::Header& header, const std::string& path, uint64_t b
   image.top = static_cast<int>(top);
   image.frame_width = static_cast<int>(frame_width);
   image.frame_height = static_cast<int>(frame_height);
+  const double aspect = static_cast<double>(header.pixelAspectRatio());
+  if (aspect > 0 && std::isfinite(aspect)) image.pixel_aspect = aspect;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "image/srgb.h"
 
 namespace kairos {
 
@@ -12,10 +13,6 @@ namespace {
 constexpr size_t kChannels = 4;
 // Keeps the colour of a fully transparent texel from being 0 / 0, and from counting beside others.
 constexpr float kLeastAlpha = 1e-4f;
-
-float srgb_value(float code) {  // IEC 61966-2-1; code 0 to 1
-  return code <= 0.04045f ? code / 12.92f : std::pow((code + 0.055f) / 1.055f, 2.4f);
-}
 
 /// The texel that stands for one just beyond an edge: the opposite one, or the edge itself.
 int wrapped(int i, int size, TextureWrap wrap) {

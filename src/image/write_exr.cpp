@@ -24,6 +24,9 @@ namespace kairos {
 
 namespace {
 
+// Between which the caller may stop: a few milliseconds of work for wide pictures.
+constexpr int kRowsAtOnce = 64;
+
 class OutputStream : public Imf::OStream {
  public:
   OutputStream(AtomicFile& file, const std::string& path) : Imf::OStream(path.c_str()), file_(file) {}
@@ -79,7 +82,8 @@ void write_exr(const Image& image, const std::string& path, const WriteOptions& 
   translate_exr_errors(path, ErrorCode::io, "cannot be written as EXR", [&] {
     const Imath::Box2i display({0, 0}, {image.frame_width - 1, image.frame_height - 1});
     const Imath::Box2i data({image.left, image.top}, {image.left + image.width - 1, image.top + image.height - 1});
-    Imf::Header header(display, data, 1, Imath::V2f(0, 0), 1, Imf::INCREASING_Y, Imf::ZIP_COMPRESSION);
+    Imf::Header header(display, data, static_cast<float>(image.pixel_aspect), Imath::V2f(0, 0), 1, Imf::INCREASING_Y,
+                       Imf::ZIP_COMPRESSION);
     for (const Attribute& attribute : image.attributes)
       std::visit(AttributeWriter{header, attribute.name.c_str()}, attribute.value);
     std::vector<Plane> planes;
@@ -96,7 +100,10 @@ void write_exr(const Image& image, const std::string& path, const WriteOptions& 
       OutputStream stream(file, path);
       Imf::OutputFile exr(stream, header, 0);
       exr.setFrameBuffer(buffer);
-      exr.writePixels(image.height);
+      for (int row = 0; row < image.height; row += kRowsAtOnce) {
+        if (options.go_on && !options.go_on()) throw Error(ErrorCode::cancelled, path, "is not written: stopped");
+        exr.writePixels(std::min(kRowsAtOnce, image.height - row));
+      }
     }
     file.commit();
   });

@@ -3,9 +3,9 @@
 #include <filesystem>
 
 #include <kairos/error.h>
+#include <kairos/files.h>
 #include <kairos/image.h>
 
-#include "base/atomic_file.h"
 #include "image/write_exr.h"
 #include "image/write_png.h"
 
@@ -36,7 +36,7 @@ void write_image(const Image& image, const std::string& path, const WriteOptions
     case Format::exr:
       return write_exr(image, path, options);
     case Format::png:
-      return write_png(image, path);
+      return write_png(image, path, options);
   }
 }
 

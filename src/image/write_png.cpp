@@ -1,7 +1,6 @@
 #include "image/write_png.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <variant>
@@ -11,15 +10,9 @@
 
 #include "base/atomic_file.h"
 #include "image/encode.h"
+#include "image/srgb.h"
 
 namespace kairos {
-
-unsigned char srgb_code(float linear) {  // IEC 61966-2-1
-  if (!(linear > 0)) return 0;
-  if (linear >= 1) return 255;
-  const double encoded = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-  return static_cast<unsigned char>(std::lround(encoded * 255));
-}
 
 namespace {
 
@@ -57,7 +50,7 @@ std::vector<uint8_t> text_chunks(const Image& image) {
 
 }  // namespace
 
-void write_png(const Image& image, const std::string& path) {
+void write_png(const Image& image, const std::string& path, const WriteOptions& options) {
   const Channel* const colour[3] = {image.find("R"), image.find("G"), image.find("B")};
   const size_t pixels = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
   constexpr size_t kMostPixels = size_t{1} << 29;  // the encoder counts its bytes in 31 bits
@@ -68,6 +61,7 @@ void write_png(const Image& image, const std::string& path) {
       if (colour[i] != nullptr) bytes[pixel * 3 + i] = srgb_code(colour[i]->values[pixel]);
   const std::vector<uint8_t> texts = text_chunks(image),
                              encoded = encode_png(bytes, image.width, image.height, 3, path);
+  if (options.go_on && !options.go_on()) throw Error(ErrorCode::cancelled, path, "is not written: stopped");
   AtomicFile file(path);
   constexpr size_t kHead = 8 + 25;  // signature and header chunk
   file.write(encoded.data(), kHead);

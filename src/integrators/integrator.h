@@ -4,33 +4,11 @@
 #include <memory>
 
 #include "base/monitor.h"
-#include "camera/camera_rays.h"
-#include "camera/pixel_filter.h"
 #include "integrators/shot_parts.h"
-#include "math/sampler.h"
 #include "pixel/record_builder.h"
-#include "shading/shader.h"
+#include "shading/pixel_context.h"
 
 namespace kairos {
-
-/// What rays are made from and shaded with. Immutable, shared by all threads.
-struct PixelContext {
-  CameraRays camera;
-  Sampler sampler;
-  PixelFilter filter;
-  const Shader& shader;
-  Vec3f background{};
-  RecordNeeds needs{};
-
-  /// Where in the pixel a sample lies, as PixelRay::film.
-  Vec2f film(const SamplePoint& point) const {
-    return {static_cast<float>(0.5 + filter.offset(point.x)), static_cast<float>(0.5 + filter.offset(point.y))};
-  }
-  /// The ray of a sample of pixel (x, y).
-  Ray ray(int x, int y, const SamplePoint& point) const {
-    return camera.at(x + 0.5 + filter.offset(point.x), y + 0.5 + filter.offset(point.y));
-  }
-};
 
 class Integrator {
  public:

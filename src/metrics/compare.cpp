@@ -1,5 +1,3 @@
-#include "metrics/compare.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <kairos/compare.h>
 #include <kairos/error.h>
 
 #include "image/text.h"

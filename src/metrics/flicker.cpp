@@ -1,8 +1,7 @@
-#include "metrics/flicker.h"
-
 #include <cmath>
 #include <limits>
 
+#include <kairos/compare.h>
 #include <kairos/error.h>
 
 namespace kairos {

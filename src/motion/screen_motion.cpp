@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "base/parallel.h"
+#include "camera/film_plane.h"
 #include "math/sampler.h"
 
 namespace kairos {
@@ -45,22 +46,17 @@ struct ScreenBounds {
 
 class ToScreen {
  public:
-  explicit ToScreen(const Projection& p)
-      : orthographic_(p.orthographic),
-        half_height_(p.orthographic ? p.view_height / 2 : std::tan(p.vfov / 2)),
-        width_(p.width),
-        height_(p.height) {}
+  explicit ToScreen(const Projection& projection) : plane_(projection) {}
 
   bool is_in_front(Vec3d p) const { return p.z < 0; }
 
   Vec2d operator()(Vec3d p) const {
-    const double scale = (orthographic_ ? 1 : 1 / -p.z) / half_height_ * height_ / 2;
-    return {width_ / 2 + p.x * scale, height_ / 2 - p.y * scale};
+    const double scale = plane_.orthographic() ? 1 : 1 / -p.z;
+    return plane_.film({p.x * scale, p.y * scale});
   }
 
  private:
-  bool orthographic_;
-  double half_height_, width_, height_;
+  FilmPlane plane_;
 };
 
 /// Bounds of the convex hull of `points` in front of the camera: a path between two keys stays inside the hull of its

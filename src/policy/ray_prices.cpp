@@ -7,7 +7,6 @@
 
 #include <kairos/error.h>
 
-#include "motion/motion_mask.h"
 #include "shading/packet_shading.h"
 
 namespace kairos {

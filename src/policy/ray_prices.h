@@ -6,7 +6,8 @@
 
 #include <kairos/render.h>
 
-#include "integrators/integrator.h"
+#include "motion/motion_mask.h"
+#include "shading/pixel_context.h"
 #include "shading/spread.h"
 
 namespace kairos {

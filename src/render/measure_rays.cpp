@@ -38,12 +38,12 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-using Pixels = std::vector<std::pair<int, int>>;
+using PixelPlaces = std::vector<std::pair<int, int>>;
 
 /// Pixels in which something moves, spread over a part of the frame.
-Pixels moving_pixels(const MotionMask& mask, const Crop& part) {
+PixelPlaces moving_pixels(const MotionMask& mask, const Crop& part) {
   const int width = part.x1 - part.x0, height = part.y1 - part.y0;
-  Pixels pixels;
+  PixelPlaces pixels;
   const Sampler places(SamplerKind::owen_sobol, kTries, 0);
   const auto add_square = [&](int left, int top) {
     for (int y = top; y < std::min(top + kSquare, part.y1); ++y)
@@ -66,7 +66,7 @@ Pixels moving_pixels(const MotionMask& mask, const Crop& part) {
 /// One way to render the pixels, and how long it took each time.
 class Way {
  public:
-  Way(ShotParts& parts, const RenderParams& params, const Shader& shader, const Pixels& pixels)
+  Way(ShotParts& parts, const RenderParams& params, const Shader& shader, const PixelPlaces& pixels)
       : pixels_(pixels),
         context_{CameraRays(parts.shot().projection),
                  Sampler(params.sampler, static_cast<uint32_t>(std::max(params.spp, params.tc_rays)), params.seed),
@@ -96,7 +96,7 @@ class Way {
   double nanoseconds() const { return median(nanoseconds_); }
 
  private:
-  const Pixels& pixels_;
+  const PixelPlaces& pixels_;
   PixelContext context_;
   Vec3f colours_;  // of all, so that none is left out
   std::unique_ptr<Integrator> integrator_;
@@ -109,7 +109,7 @@ class Way {
 Calibration measure_rays(ShotParts& parts, const RenderParams& params, Monitor& monitor) {
   const Projection& frame = parts.shot().projection;
   Crop part;  // the first in which anything moves: of all but huge frames the whole
-  Pixels pixels;
+  PixelPlaces pixels;
   for (const Crop& band : bands_of({0, frame.width, 0, frame.height})) {
     part = band;
     pixels = moving_pixels(parts.motion_mask(PixelFilter(params.filter).radius(), part), part);

@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include <kairos/error.h>
+#include <kairos/names.h>
 #include <kairos/picture.h>
 #include <kairos/render.h>
 #include <kairos/version.h>
@@ -18,7 +19,6 @@
 #include "policy/sample_spread.h"
 #include "render/bands.h"
 #include "render/measure_rays.h"
-#include "render/names.h"
 #include "shading/spread.h"
 
 namespace kairos {
@@ -157,20 +157,20 @@ std::string calibration_text(const std::optional<Calibration>& calibration) {
 
 void describe(Image& image, const Shot& shot, const RenderParams& params, const RenderStats& stats) {
   const auto put = [&](const char* name, auto value) { image.attributes.push_back({name, value}); };
+  if (!shot.projection.matrix) image.pixel_aspect = shot.projection.pixel_aspect;
   put("kairos:version", std::string(version()));
-  if (!shows_bounds(params.shading))
-    put("kairos:integrator", std::string(name_of(kIntegratorNames, params.integrator)));
+  if (!shows_bounds(params.shading)) put("kairos:integrator", std::string(to_string(params.integrator)));
   put("kairos:samples", sample_count(params));
   if (params.integrator == IntegratorKind::mixed) put("kairos:tc_rays", params.tc_rays);
   if (params.integrator != IntegratorKind::qmc) {
     put("kairos:shading_samples", params.shading_samples);
-    put("kairos:clusters", std::string(name_of(kClustersNames, clusters_of(params))));
+    put("kairos:clusters", std::string(to_string(clusters_of(params))));
   }
   if (params.integrator == IntegratorKind::automatic) put("kairos:calibration", calibration_text(params.calibration));
-  put("kairos:sampler", std::string(name_of(kSamplerNames, params.sampler)));
-  put("kairos:shading", std::string(name_of(kAllShadingNames, params.shading)));
+  put("kairos:sampler", std::string(to_string(params.sampler)));
+  put("kairos:shading", std::string(to_string(params.shading)));
   if (params.shading == ShadingKind::whitted) put("kairos:max_depth", params.max_depth);
-  put("kairos:filter", std::string(name_of(kFilterNames, params.filter)));
+  put("kairos:filter", std::string(to_string(params.filter)));
   put("kairos:seed", std::to_string(params.seed));
   put("kairos:shutter", std::array<double, 2>{shot.shutter_open, shot.shutter_close});
   put("kairos:render_seconds", stats.render_seconds);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "camera/film_plane.h"
 
 namespace kairos {
 
@@ -89,8 +90,10 @@ Reach reach_of(const SceneMesh& mesh, const ShutterWindow& window, const Mat4& a
 SceneCamera frame_scene(const Scene& scene, const Projection& projection, const ShutterWindow& window) {
   SceneCamera camera;
   camera.name = "framing";
-  const double tangent = std::tan(camera.vfov / 2) * (1 - 2 * kMargin);
-  const double tan_y = tangent, tan_x = tangent * projection.width / projection.height;
+  Projection framing = projection;
+  static_cast<Lens&>(framing) = camera;
+  const Vec2d corner = FilmPlane(framing).at(framing.width, 0);
+  const double tan_x = corner.x * (1 - 2 * kMargin), tan_y = corner.y * (1 - 2 * kMargin);
   Mat4 world_from_camera = look_at(normalize(kTowardsEye), {}, {0, 1, 0});
   world_from_camera.m[3] = {0, 0, 0, 1};
   const Mat4 axes = inverse_affine(world_from_camera);

@@ -21,14 +21,18 @@ struct Slot {
 
 using Key = std::pair<std::string, Texture::Encoding>;
 
+Pixels pixels_of(const Scene& scene, const std::string& name) {
+  const auto picture = scene.pictures.find(name);
+  if (picture != scene.pictures.end()) return picture->second;
+  const auto embedded = scene.embedded_pictures.find(name);
+  return embedded == scene.embedded_pictures.end() ? read_picture(name) : decode_picture(embedded->second, name);
+}
+
 Slot read(const Scene& scene, const Key& key) {
   Slot slot;
   const auto& [name, encoding] = key;
   try {
-    const auto embedded = scene.embedded_pictures.find(name);
-    Pixels pixels =
-        embedded == scene.embedded_pictures.end() ? read_picture(name) : decode_picture(embedded->second, name);
-    slot.texture = std::make_shared<const Texture>(std::move(pixels), encoding);
+    slot.texture = std::make_shared<const Texture>(pixels_of(scene, name), encoding);
   } catch (const Error& e) {
     slot.failure = e.what();
     slot.code = e.code();

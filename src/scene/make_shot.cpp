@@ -9,6 +9,7 @@
 #include <kairos/scene.h>
 
 #include "base/parallel.h"
+#include "camera/film_plane.h"
 #include "scene/clean_triangles.h"
 #include "scene/frame_camera.h"
 #include "scene/load_textures.h"
@@ -78,16 +79,8 @@ Projection projection_of(const Scene& scene, const ShotOptions& options, const S
     throw Error(ErrorCode::bad_usage, "image",
                 fmt::format("a size of {}x{} is not between 1 and {}", projection.width, projection.height, kMaxSize));
   if (!camera) return projection;
-  projection.orthographic = camera->orthographic;
-  projection.vfov = camera->vfov;
-  projection.view_height = camera->view_height;
-  constexpr double kHalfTurn = 3.14159265358979;
-  const bool usable = camera->orthographic ? camera->view_height > 0 && std::isfinite(camera->view_height)
-                                           : camera->vfov > 0 && camera->vfov < kHalfTurn;
-  if (!usable)
-    throw Error(ErrorCode::bad_input, "camera '" + camera->name + "'",
-                camera->orthographic ? fmt::format("a view height of {} is not positive", camera->view_height)
-                                     : fmt::format("a field of view of {} rad is not inside (0, pi)", camera->vfov));
+  check_lens(*camera, "camera '" + camera->name + "'");
+  static_cast<Lens&>(projection) = *camera;
   return projection;
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <kairos/image.h>
 #include <kairos/scene.h>
 
 #include "scene/motion.h"
@@ -24,11 +25,8 @@ struct SceneMesh {
   std::shared_ptr<const VertexMotion> motion;
 };
 
-struct SceneCamera {
+struct SceneCamera : Lens {
   std::string name;
-  bool orthographic = false;
-  double vfov = 0.7853981633974483;               ///< radians (perspective)
-  double view_height = 2;                         ///< world units (orthographic)
   std::shared_ptr<const TransformMotion> motion;  ///< world from camera, without scale; looks along -z
 };
 
@@ -37,6 +35,8 @@ struct Scene {
   std::vector<Material> materials;  ///< never empty once loaded: index 0 exists
   /// Encoded pictures that have no file of their own, by the name under which materials call them.
   std::map<std::string, std::vector<uint8_t>> embedded_pictures;
+  /// The same, decoded.
+  std::map<std::string, Pixels> pictures;
   std::vector<SceneCamera> cameras;
   std::vector<Light> lights;
   std::vector<std::string> animations;  ///< names of those the files hold, played or not

@@ -6,6 +6,8 @@
 #include <kairos/mesh.h>
 #include <kairos/scene.h>
 
+#include "camera/film_plane.h"
+
 namespace kairos {
 
 namespace {
@@ -37,13 +39,6 @@ bool is_finite(const DirectionalLight& light) { return is_finite(light.direction
 bool is_finite(const ConstantLight& light) { return is_finite(light.radiance); }
 bool is_finite(const EnvironmentLight& light) {
   return is_finite(light.radiance) && is_finite(light.axes[0]) && is_finite(light.axes[1]) && is_finite(light.axes[2]);
-}
-
-bool shows_something(const Projection& p) {
-  constexpr double kHalfTurn = 3.14159265358979;
-  const bool opens =
-      p.orthographic ? p.view_height > 0 && std::isfinite(p.view_height) : p.vfov > 0 && p.vfov < kHalfTurn;
-  return opens && p.width > 0 && p.height > 0;
 }
 }  // namespace
 
@@ -94,9 +89,9 @@ void validate_shot(const Shot& shot) {
   require(shot.light_textures.empty() || shot.light_textures.size() == shot.lights.size(), "light textures",
           "the shot needs as many entries as it has lights, or none");
   require(is_finite(shot.background), "background", "is not finite");
-  require(shows_something(shot.projection), "projection",
-          "shows nothing: it needs a positive width and height in pixels, a field of view inside (0, pi) or, "
-          "orthographic, a positive view height");
+  require(shot.projection.width > 0 && shot.projection.height > 0, "projection",
+          "shows nothing: it needs a positive width and height in pixels");
+  check_lens(shot.projection, "projection");
 }
 
 }  // namespace kairos

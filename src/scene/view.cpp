@@ -6,6 +6,8 @@
 
 #include <kairos/error.h>
 
+#include "camera/film_plane.h"
+
 namespace kairos {
 
 namespace {
@@ -59,19 +61,11 @@ std::vector<Stretch> divide_at_kinks(const ShutterWindow& window, const std::vec
 
 View::View(const SceneCamera& camera, const Projection& projection, ShotOptions::Space space,
            const ShutterWindow& window)
-    : name_(camera.name),
-      motion_(camera.motion),
-      space_(space),
-      window_(window),
-      orthographic_(projection.orthographic) {
-  const double width = projection.width, height = projection.height;
-  if (orthographic_) {
-    pixels_per_unit_ = height / projection.view_height;
-  } else {
-    const double tangent = std::tan(projection.vfov / 2), aspect = width / height;
-    pixels_per_unit_ = height / 2 / tangent;
-    obliquity_limit_ = 1 + tangent * tangent * (1 + aspect * aspect);
-  }
+    : name_(camera.name), motion_(camera.motion), space_(space), window_(window) {
+  const FilmPlane plane(projection);
+  orthographic_ = plane.orthographic();
+  pixels_per_unit_ = plane.pixels_per_unit();
+  obliquity_limit_ = 1 + plane.farthest_corner();
 
   resting_ = camera_from_world(window.open, Side::after);
   if (window.holds_still(*motion_)) return;

@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include <kairos/files.h>
+#include <kairos/names.h>
+
 #include "base/file.h"
 #include "scene_io/json_node.h"
 
@@ -13,7 +16,6 @@ constexpr int kVersion = 1;
 constexpr uint64_t kMaxBytes = 1u << 16;
 // Nanoseconds that a ray may take, and how far rays may be apart: what lies outside was not measured.
 constexpr double kLeastTime = 1e-3, kMostTime = 1e9, kMostRatio = 1e6;
-constexpr size_t kLongestName = 64;
 
 }  // namespace
 
@@ -25,8 +27,9 @@ CalibrationFile parse_calibration(std::string_view text, const std::string& path
   if (version.number() != kVersion) version.fail("only version 1 is known; measure again");
   CalibrationFile file;
   const JsonNode shading = root.at("shading");
-  file.shading = shading.string();
-  if (file.shading.empty() || file.shading.size() > kLongestName) shading.fail("must be the name of a shading");
+  const std::optional<ShadingKind> kind = parse<ShadingKind>(shading.string());
+  if (!kind) shading.fail("must be the name of a shading");
+  file.shading = *kind;
   const JsonNode times = root.at("nanoseconds");
   times.expect_fields({"discrete_sample", "still_ray", "tc_ray"});
   Calibration& calibration = file.calibration;
@@ -50,10 +53,14 @@ CalibrationFile read_calibration(const std::string& path) {
   return parse_calibration({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path);
 }
 
+void write_calibration(const CalibrationFile& file, const std::string& path) {
+  write_file(path, calibration_text(file));
+}
+
 std::string calibration_text(const CalibrationFile& file) {
   nlohmann::ordered_json json;
   json["kairos_calibration"] = kVersion;
-  json["shading"] = file.shading;
+  json["shading"] = to_string(file.shading);
   nlohmann::ordered_json& times = json["nanoseconds"];
   times["discrete_sample"] = file.calibration.discrete_sample;
   times["still_ray"] = file.calibration.still_ray;

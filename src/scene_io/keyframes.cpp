@@ -73,27 +73,27 @@ bool TransformKeys::always_rests() const {
 
 bool TransformKeys::mirrors() const { return !matrices.empty() && determinant3(matrices.front()) < 0; }
 
-KeyframeMotion::KeyframeMotion(VertexKeys vertices, TransformKeys transform)
+KeyframeMotion::KeyframeMotion(std::shared_ptr<const VertexKeys> vertices, TransformKeys transform)
     : vertices_(std::move(vertices)), transform_(std::move(transform)) {
   mirrors_ = transform_.mirrors();
 }
 
 bool KeyframeMotion::is_static(double open, double close) const {
-  return rests(vertices_.times, open, close,
+  return rests(vertices_->times, open, close,
                [&](size_t a, size_t b) {
-                 return same_bits(vertices_.positions[a], vertices_.positions[b]) &&
-                        (vertices_.normals.empty() || same_bits(vertices_.normals[a], vertices_.normals[b]));
+                 return same_bits(vertices_->positions[a], vertices_->positions[b]) &&
+                        (vertices_->normals.empty() || same_bits(vertices_->normals[a], vertices_->normals[b]));
                }) &&
          transform_.rests(open, close);
 }
 
 bool KeyframeMotion::is_linear_between_kinks() const {
-  return transform_.always_rests() || all_same(vertices_.positions);
+  return transform_.always_rests() || all_same(vertices_->positions);
 }
 
 std::vector<double> KeyframeMotion::kinks(double open, double close) const {
   std::vector<double> times;
-  add_inside(vertices_.times, open, close, times);
+  add_inside(vertices_->times, open, close, times);
   add_inside(transform_.times, open, close, times);
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
@@ -101,8 +101,8 @@ std::vector<double> KeyframeMotion::kinks(double open, double close) const {
 }
 
 void KeyframeMotion::positions(double time, Side, std::span<Vec3d> out) const {
-  const KeySpan span = find_key_span(vertices_.times, time);
-  const auto &a = vertices_.positions[span.a], &b = vertices_.positions[span.b];
+  const KeySpan span = find_key_span(vertices_->times, time);
+  const auto &a = vertices_->positions[span.a], &b = vertices_->positions[span.b];
   for (size_t v = 0; v < out.size(); ++v)
     out[v] = span.a == span.b ? to_double(a[v]) : mix(to_double(a[v]), to_double(b[v]), span.weight);
   if (transform_.matrices.empty()) return;
@@ -111,8 +111,8 @@ void KeyframeMotion::positions(double time, Side, std::span<Vec3d> out) const {
 }
 
 void KeyframeMotion::normals(double time, Side, std::span<Vec3f> out) const {
-  const KeySpan span = find_key_span(vertices_.times, time);
-  const auto &a = vertices_.normals[span.a], &b = vertices_.normals[span.b];
+  const KeySpan span = find_key_span(vertices_->times, time);
+  const auto &a = vertices_->normals[span.a], &b = vertices_->normals[span.b];
   const Mat4 matrix = normal_matrix(transform_.at(time));
   const double sign = mirrors_ ? -1 : 1;
   const bool plain = span.a == span.b && transform_.matrices.empty();  // unit already: keep the file's bits

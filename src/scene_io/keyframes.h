@@ -1,6 +1,8 @@
 // Motion given by key frames: linear between keys, at rest before the first and after the last.
 #pragma once
 
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "scene/motion.h"
@@ -30,10 +32,13 @@ struct TransformKeys {
 /// not: whoever makes the mesh reverses its triangles where mirrors() is true, and normals point to that same side.
 class KeyframeMotion final : public VertexMotion {
  public:
-  explicit KeyframeMotion(VertexKeys vertices, TransformKeys transform = {});
+  explicit KeyframeMotion(VertexKeys vertices, TransformKeys transform = {})
+      : KeyframeMotion(std::make_shared<const VertexKeys>(std::move(vertices)), std::move(transform)) {}
+  /// Of vertices that others have, too.
+  KeyframeMotion(std::shared_ptr<const VertexKeys> vertices, TransformKeys transform);
 
-  size_t vertex_count() const override { return vertices_.positions.front().size(); }
-  bool has_normals() const override { return !vertices_.normals.empty(); }
+  size_t vertex_count() const override { return vertices_->positions.front().size(); }
+  bool has_normals() const override { return !vertices_->normals.empty(); }
   bool is_static(double open, double close) const override;
   bool is_linear_between_kinks() const override;
   std::vector<double> kinks(double open, double close) const override;
@@ -43,7 +48,7 @@ class KeyframeMotion final : public VertexMotion {
   bool mirrors() const { return mirrors_; }
 
  private:
-  VertexKeys vertices_;
+  std::shared_ptr<const VertexKeys> vertices_;
   TransformKeys transform_;
   bool mirrors_ = false;
 };

@@ -5,7 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "metrics/compare.h"
+#include <kairos/compare.h>
+
 #include "study/statistics.h"
 
 namespace kairos::study {

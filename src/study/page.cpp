@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "render/names.h"
 #include "study/machine.h"
 #include "study/pictures.h"
 #include "study/summary.h"
@@ -63,7 +62,7 @@ Json json_of(const Comparison& c) {
   Json json;
   json["series"] = c.series;
   json["baseline"] = c.baseline;
-  json["at"] = kairos::name_of(kAtNames, c.at);
+  json["at"] = to_string(c.at);
   json["value"] = c.value;
   json["seconds"] = number(c.seconds);
   json["baseline_psnr"] = number(c.baseline_psnr);
@@ -125,7 +124,7 @@ Json json_of(const EntrySummary& summary, const SceneFacts& facts, const PagePic
   Json json;
   json["name"] = name_of(summary.entry);
   json["scene"] = summary.entry.scene;
-  json["shading"] = std::string(kairos::name_of(kShadingNames, summary.entry.shading));
+  json["shading"] = std::string(to_string(summary.entry.shading));
   json["width"] = facts.width;
   json["height"] = facts.height;
   json["triangles"] = facts.triangles;

@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "metrics/compare.h"
+#include <kairos/compare.h>
+
 #include "study/study_folder.h"
 #include "study/summary.h"
 

@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "render/names.h"
-
 namespace kairos::study {
 
 namespace {
@@ -42,7 +40,7 @@ void add_tc(const StudyOptions& options, std::vector<Series>& all) {
 }  // namespace
 
 std::string name_of(const Setting& s) {
-  const std::string_view method = kairos::name_of(kMethodNames, s.method);
+  const std::string_view method = to_string(s.method);
   if (s.method == Method::tc) return fmt::format("{}-{}-{}", method, s.tc_rays, s.shading_samples);
   if (s.method == Method::mixed) return fmt::format("{}-{}-{}", method, s.tc_rays, s.spp);
   return fmt::format("{}-{}", method, s.spp);
@@ -72,7 +70,7 @@ RenderParams params_of(const Setting& setting) {
 std::vector<Series> series_of(const StudyOptions& options) {
   std::vector<Series> all;
   for (const Method method : options.methods) {
-    const std::string name(kairos::name_of(kMethodNames, method));
+    const std::string name(to_string(method));
     if (method == Method::tc) {
       add_tc(options, all);
       continue;

@@ -1,50 +1,13 @@
 // What a study measures: which methods, with which parameters, in which order.
 #pragma once
 
-#include <array>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
-#include <kairos/render.h>
-#include <kairos/scene.h>
+#include <kairos/study.h>
 
 namespace kairos::study {
-
-/// Each is a way to spend time; parameters say how much.
-enum class Method { random, multi_jitter, owen_sobol, tc, mixed, automatic };
-
-inline constexpr std::pair<std::string_view, Method> kMethodNames[] = {
-    {"random", Method::random},         {"multi-jitter", Method::multi_jitter},
-    {"owen-sobol", Method::owen_sobol}, {"tc", Method::tc},
-    {"mixed", Method::mixed},           {"auto", Method::automatic}};
-
-enum class Clock {
-  cpu,   ///< processor time of the whole process, divided by its threads: other programs on the machine cost none
-  wall,  ///< time that passes
-};
-inline constexpr std::pair<std::string_view, Clock> kClockNames[] = {{"cpu", Clock::cpu}, {"wall", Clock::wall}};
-
-struct StudyOptions {
-  std::vector<std::string> scenes;  ///< files; each is an entry of its own
-  LoadOptions load;
-  ShotOptions shot;
-  int rows = 0;        ///< of each frame, spread evenly over it, that are rendered; 0 (or more than there are): all
-  std::string folder;  ///< where everything is written
-  std::vector<ShadingKind> shadings{ShadingKind::normal};
-  std::vector<Method> methods{Method::random, Method::multi_jitter, Method::owen_sobol,
-                              Method::tc,     Method::mixed,        Method::automatic};
-  std::vector<int> budgets{4, 8, 16, 32, 64, 128, 256};  ///< samples per pixel of qmc and auto
-  std::vector<int> tc_rays{1, 2, 4, 8, 16, 32};          ///< per pixel, of tc and mixed
-  std::vector<int> shading_samples{2, 8, 32, 128};       ///< per ray of tc
-  std::vector<int> keys{0, 3, 5, 9};                     ///< RenderParams::discrete_keys to choose from
-  int seeds = 5;
-  int threads = 1;           ///< of what is measured; the reference takes all
-  int reference_spp = 8192;  ///< at most, of each half of the reference
-  Clock clock = Clock::cpu;
-  bool force = false;  ///< a folder that holds another study is emptied of it
-};
 
 /// One setting of one method.
 struct Setting {

@@ -14,7 +14,6 @@
 #include <kairos/error.h>
 
 #include "base/file.h"
-#include "render/names.h"
 
 namespace kairos::study {
 
@@ -49,12 +48,11 @@ class Fields {
     if (error != std::errc() || end != field.data() + field.size()) refuse();
     return value;
   }
-  template <class Value, size_t N>
-  Value choice(const std::pair<std::string_view, Value> (&table)[N]) {
-    const std::string_view field = text();
-    for (const auto& [name, value] : table)
-      if (name == field) return value;
-    refuse();
+  template <class Enum>
+  Enum choice() {
+    const std::optional<Enum> value = parse<Enum>(text());
+    if (!value) refuse();
+    return *value;
   }
   void end() const {
     if (!ended_) refuse();
@@ -73,7 +71,7 @@ class Fields {
 Entry parse_entry(Fields& fields) {
   Entry entry;
   entry.scene = fields.text();
-  entry.shading = fields.choice(kShadingNames);
+  entry.shading = fields.choice<ShadingKind>();
   return entry;
 }
 PictureError parse_error(Fields& fields) {
@@ -86,30 +84,26 @@ PictureError parse_error(Fields& fields) {
 
 }  // namespace
 
-std::string name_of(const Entry& entry) {
-  return fmt::format("{}-{}", entry.scene, kairos::name_of(kShadingNames, entry.shading));
-}
+std::string name_of(const Entry& entry) { return fmt::format("{}-{}", entry.scene, to_string(entry.shading)); }
 
 std::string to_line(const Run& r) {
   return fmt::format("{},{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.9g},{:.9g},{:.9g},{},{},{},{},{},{}",
-                     r.entry.scene, kairos::name_of(kShadingNames, r.entry.shading),
-                     kairos::name_of(kMethodNames, r.setting.method), r.setting.spp, r.setting.tc_rays,
-                     r.setting.shading_samples, r.seed, r.seconds, r.wall_seconds, r.cpu_seconds, r.build_seconds,
-                     r.error.mse, r.error.psnr, r.error.relative_mse, r.rays, r.segments, r.shaded, r.nodes,
-                     r.triangles, r.root_solves);
+                     r.entry.scene, to_string(r.entry.shading), to_string(r.setting.method), r.setting.spp,
+                     r.setting.tc_rays, r.setting.shading_samples, r.seed, r.seconds, r.wall_seconds, r.cpu_seconds,
+                     r.build_seconds, r.error.mse, r.error.psnr, r.error.relative_mse, r.rays, r.segments, r.shaded,
+                     r.nodes, r.triangles, r.root_solves);
 }
 
 std::string to_line(const ReferenceRun& r) {
-  return fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{:.6g}", r.entry.scene,
-                     kairos::name_of(kShadingNames, r.entry.shading), r.spp, r.error.mse, r.error.psnr,
-                     r.error.relative_mse, r.seconds);
+  return fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{:.6g}", r.entry.scene, to_string(r.entry.shading), r.spp,
+                     r.error.mse, r.error.psnr, r.error.relative_mse, r.seconds);
 }
 
 Run parse_run(const std::string& line, const std::string& place) {
   Fields fields(line, place);
   Run r;
   r.entry = parse_entry(fields);
-  r.setting.method = fields.choice(kMethodNames);
+  r.setting.method = fields.choice<Method>();
   for (int* const value : {&r.setting.spp, &r.setting.tc_rays, &r.setting.shading_samples, &r.seed})
     *value = fields.number<int>();
   for (double* const value : {&r.seconds, &r.wall_seconds, &r.cpu_seconds, &r.build_seconds})

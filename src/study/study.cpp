@@ -1,11 +1,10 @@
-#include "study/study.h"
-
 #include <algorithm>
 #include <chrono>
 
 #include <fmt/format.h>
 
 #include <kairos/error.h>
+#include <kairos/study.h>
 
 #include "base/parallel.h"
 #include "image/encode.h"

@@ -10,10 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include <kairos/error.h>
+#include <kairos/files.h>
 
-#include "base/atomic_file.h"
 #include "base/file.h"
-#include "render/names.h"
 #include "study/machine.h"
 
 namespace kairos::study {
@@ -39,10 +38,10 @@ std::string content_hash(const std::string& path) {
   return fmt::format("{:016x}", sum);
 }
 
-template <class Value, size_t N>
-Json names(const std::pair<std::string_view, Value> (&table)[N], const std::vector<Value>& values) {
+template <class Enum>
+Json names(const std::vector<Enum>& values) {
   Json list = Json::array();
-  for (const Value value : values) list.push_back(std::string(kairos::name_of(table, value)));
+  for (const Enum value : values) list.push_back(std::string(to_string(value)));
   return list;
 }
 
@@ -61,8 +60,8 @@ Json parameters(const StudyOptions& o) {
   json["size"] = fmt::format("{}x{}", o.shot.width, o.shot.height);
   json["rows"] = o.rows;
   json["motion tolerance"] = o.shot.motion_tolerance;
-  json["shading"] = names(kShadingNames, o.shadings);
-  json["methods"] = names(kMethodNames, o.methods);
+  json["shading"] = names(o.shadings);
+  json["methods"] = names(o.methods);
   json["budgets"] = o.budgets;
   json["tc rays"] = o.tc_rays;
   json["shading samples"] = o.shading_samples;
@@ -70,7 +69,7 @@ Json parameters(const StudyOptions& o) {
   json["seeds"] = o.seeds;
   json["threads"] = o.threads;
   json["reference spp"] = o.reference_spp;
-  json["clock"] = std::string(kairos::name_of(kClockNames, o.clock));
+  json["clock"] = std::string(to_string(o.clock));
   const Machine machine = this_machine();
   json["processor"] = machine.processor;
   json["cores"] = machine.cores;
@@ -140,13 +139,9 @@ std::string parameters_text(const StudyOptions& options) {
 }
 
 void write_file(const std::string& path, std::span<const uint8_t> bytes) {
-  AtomicFile file(path);
-  file.write(bytes.data(), bytes.size());
-  file.commit();
+  kairos::write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
-void write_file(const std::string& path, const std::string& text) {
-  write_file(path, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
-}
+void write_file(const std::string& path, const std::string& text) { kairos::write_file(path, text); }
 
 StudyFolder::StudyFolder(const StudyOptions& options) : folder_(options.folder) {
   std::error_code ec;

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "render/names.h"
 #include "study/curve.h"
 
 namespace kairos::study {
@@ -128,7 +127,7 @@ std::vector<Comparison> compare(const Entry& entry, const std::vector<Series>& a
 }
 
 std::string entry_fields(const EntrySummary& e) {
-  return fmt::format("{},{}", e.entry.scene, kairos::name_of(kShadingNames, e.entry.shading));
+  return fmt::format("{},{}", e.entry.scene, to_string(e.entry.shading));
 }
 
 /// "median,low,high", with nothing for what is not known.
@@ -178,8 +177,7 @@ std::string comparisons_csv(const std::vector<EntrySummary>& entries) {
   for (const EntrySummary& entry : entries)
     for (const Comparison& c : entry.comparisons)
       text += fmt::format("{},{},{},{},{:.5g},{:.5g},{:.5g},{},{}\n", entry_fields(entry), c.series, c.baseline,
-                          kairos::name_of(kAtNames, c.at), c.value, c.seconds, c.baseline_psnr, fields(c.gain),
-                          fields(c.speed));
+                          to_string(c.at), c.value, c.seconds, c.baseline_psnr, fields(c.gain), fields(c.speed));
   return text;
 }
 

@@ -50,9 +50,6 @@ struct EntrySummary {
   std::vector<Comparison> comparisons;
 };
 
-inline constexpr std::pair<std::string_view, Comparison::At> kAtNames[] = {
-    {"psnr", Comparison::At::psnr}, {"spp", Comparison::At::spp}, {"tc_rays", Comparison::At::tc_rays}};
-
 /// The baselines' qualities at which methods are compared, dB.
 inline constexpr int kLevels[] = {25, 30, 35, 38, 40, 45, 50};
 inline constexpr Method kBaselines[] = {Method::owen_sobol, Method::multi_jitter};
@@ -67,3 +64,13 @@ std::string curves_csv(const std::vector<EntrySummary>& entries);
 std::string comparisons_csv(const std::vector<EntrySummary>& entries);
 
 }  // namespace kairos::study
+
+namespace kairos {
+
+template <>
+inline constexpr auto kNames<study::Comparison::At> =
+    std::to_array<Named<study::Comparison::At>>({{"psnr", study::Comparison::At::psnr},
+                                                 {"spp", study::Comparison::At::spp},
+                                                 {"tc_rays", study::Comparison::At::tc_rays}});
+
+}  // namespace kairos

@@ -5,9 +5,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include <kairos/compare.h>
+
 #include "cli.h"
 #include "image/read_exr.h"
-#include "metrics/compare.h"
 #include "study/run_log.h"
 
 namespace kairos {

@@ -14,6 +14,7 @@
 #include "base/atomic_file.h"
 #include "base/file.h"
 #include "image/read_exr.h"
+#include "image/srgb.h"
 #include "image/write_png.h"
 
 namespace kairos {

@@ -1,11 +1,11 @@
 // Differences between pictures, and pictures put side by side.
-#include "metrics/compare.h"
 
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
+#include <kairos/compare.h>
 #include <kairos/error.h>
 
 #include "image/text.h"

@@ -27,7 +27,7 @@ std::string with(const std::string& from, const std::string& to) {
 
 TEST(CalibrationFile, IsReadAsItIsWritten) {
   const CalibrationFile file = parse_calibration(kGood, "c.json");
-  EXPECT_EQ(file.shading, "normal");
+  EXPECT_EQ(file.shading, ShadingKind::normal);
   EXPECT_EQ(file.calibration.discrete_sample, 200);
   EXPECT_EQ(file.calibration.still_ray, 50);
   EXPECT_EQ(file.calibration.tc_ray, (std::array<double, 3>{1600, 1000, 800}));

@@ -51,7 +51,9 @@ Shot point_shot(std::vector<Material> materials, std::vector<Mesh> meshes) {
   Shot shot;
   shot.materials = std::move(materials);
   shot.meshes = std::move(meshes);
-  shot.projection = {1, 1, true, 0.5, 1e-4};
+  shot.projection.width = shot.projection.height = 1;
+  shot.projection.orthographic = true;
+  shot.projection.view_height = 1e-4;
   return shot;
 }
 

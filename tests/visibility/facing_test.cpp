@@ -159,7 +159,9 @@ TEST(Facing, LightMeetsFrontsThatAreTurnedToIt) {
 
 /// What one small pixel that looks along -z sees.
 Vec3f seen(Shot shot, ShadingKind shading, IntegratorKind integrator, int rays = 256) {
-  shot.projection = {1, 1, true, 0.5, 1e-3};
+  shot.projection.width = shot.projection.height = 1;
+  shot.projection.orthographic = true;
+  shot.projection.view_height = 1e-3;
   RenderParams params;
   params.shading = shading;
   params.integrator = integrator;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/file.h"
+#include "camera/film_plane.h"
 #include "scene_io/load.h"
 #include "scene_io/text_numbers.h"
 
@@ -135,7 +136,7 @@ void expect_ascending(const std::vector<double>& times, const JsonNode& node) {
 }
 
 SceneCamera read_camera(const JsonNode& node) {
-  node.expect_fields({"vfov_degrees", "keys"});
+  node.expect_fields({"vfov_degrees", "pixel_aspect", "shift", "projection_matrix", "keys"});
   SceneCamera camera;
   camera.name = "camera";
   if (const auto vfov = node.find("vfov_degrees")) {
@@ -143,6 +144,19 @@ SceneCamera read_camera(const JsonNode& node) {
     if (!(degrees >= 0.001 && degrees <= 179.9)) vfov->fail(fmt::format("{} is not between 0.001 and 179.9", degrees));
     camera.vfov = degrees * std::numbers::pi / 180;
   }
+  if (const auto aspect = node.find("pixel_aspect")) camera.pixel_aspect = aspect->number();
+  if (const auto shift = node.find("shift")) {
+    const std::vector<JsonNode> parts = shift->items(2);
+    camera.shift = {parts[0].number(), parts[1].number()};
+  }
+  if (const auto matrix = node.find("projection_matrix")) {
+    for (const char* other : {"vfov_degrees", "pixel_aspect", "shift"})
+      if (const auto given = node.find(other)) given->fail("says what 'projection_matrix' says already; leave one out");
+    camera.matrix.emplace();
+    const std::vector<JsonNode> entries = matrix->items(16);
+    for (size_t i = 0; i < 16; ++i) (*camera.matrix)[i / 4][i % 4] = entries[i].number();
+  }
+  check_lens(camera, node.place());
   const std::vector<JsonNode> keys = node.at("keys").items();
   if (keys.empty()) node.at("keys").fail("a camera needs at least one key");
   for (const JsonNode& key : keys) key.expect_fields({"time", "eye", "target", "up"});

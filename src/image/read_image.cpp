@@ -1,0 +1,50 @@
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include <kairos/error.h>
+#include <kairos/image.h>
+
+#include "image/pixels.h"
+#include "image/read_exr.h"
+#include "image/srgb.h"
+
+namespace kairos {
+
+namespace {
+
+constexpr size_t kChannels = 4;
+
+bool is_exr(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".exr";
+}
+
+}  // namespace
+
+Image read_image(const std::string& path, uint64_t byte_limit) {
+  if (is_exr(path)) return read_exr(path, byte_limit);
+  const Pixels pixels = read_picture(path);
+  const size_t count = static_cast<size_t>(pixels.width) * static_cast<size_t>(pixels.height);
+  if (count > byte_limit / (kChannels * sizeof(float)))
+    throw Error(ErrorCode::bad_input, path, "is larger than the limit of " + std::to_string(byte_limit) + " bytes");
+  Image image;
+  image.width = image.frame_width = pixels.width;
+  image.height = image.frame_height = pixels.height;
+  const char* const names[kChannels] = {"R", "G", "B", "A"};
+  for (size_t c = 0; c < kChannels; ++c) {
+    Channel channel{names[c], Channel::Storage::colour, std::vector<float>(count)};
+    for (size_t i = 0; i < count; ++i) {
+      if (!pixels.values.empty())
+        channel.values[i] = pixels.values[i * kChannels + c];
+      else
+        channel.values[i] = c < 3 ? srgb_value(pixels.codes[i * kChannels + c] / 255.0f)
+                                  : static_cast<float>(pixels.codes[i * kChannels + c]) / 255;
+    }
+    image.channels.push_back(std::move(channel));
+  }
+  return image;
+}
+
+}  // namespace kairos
