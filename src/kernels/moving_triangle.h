@@ -135,7 +135,7 @@ struct HitInterval {
 /// The most stretches in which three edge functions have one sign, each being so in two at most; and the most pieces
 /// that the ray's origin cuts one into. Both are what the code below could write if roundings went against it; without
 /// them it is seven pieces in all.
-inline constexpr size_t kMostStretches = 2 * 2 * 2, kMostPieces = 4;
+inline constexpr size_t kMostStretches = size_t{2} * 2 * 2, kMostPieces = 4;
 
 template <class Real>
 struct HitIntervals {
