@@ -43,7 +43,9 @@ std::string stats_text(const RenderParams& params, const Shot& shot, const Rende
   json["rays"] = stats.rays;
   json["shading_samples"] = stats.shading_samples;
   json["threads"] = stats.threads;
-  json["instruction_set"] = stats.instruction_set ? std::string(to_string(*stats.instruction_set)) : "embree";
+  const std::optional<InstructionSet>& embree = stats.embree_instruction_set;
+  json["instruction_set"] = to_string(stats.instruction_set ? *stats.instruction_set : embree.value());
+  json["embree_instruction_set"] = embree ? nlohmann::ordered_json(to_string(*embree)) : nlohmann::ordered_json();
   json["integrator"] = to_string(params.integrator);
   json["samples"] = tc ? params.tc_rays : params.spp;
   json["seed"] = params.seed;

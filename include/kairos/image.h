@@ -36,9 +36,9 @@ struct Image {
   int width = 0, height = 0;              ///< pixels held
   int left = 0, top = 0;                  ///< where they lie in the full frame
   int frame_width = 0, frame_height = 0;  ///< of the full frame
-  double pixel_aspect = 1;                ///< a pixel's width over its height, where it is shown
   std::vector<Channel> channels;
   std::vector<Attribute> attributes;
+  double pixel_aspect = 1;  ///< a pixel's width over its height, where it is shown
 
   /// nullptr when there is none of that name.
   KAIROS_API const Channel* find(const std::string& name) const;

@@ -117,7 +117,8 @@ struct DiscreteScene::Impl {
   std::shared_ptr<const CutOuts> cut_outs;
   int exponent = 0;  // of the size of all of this: see working_exponent
 
-  Impl(std::span<const Mesh> meshes, const DiscreteOptions& options) {
+  Impl(std::span<const Mesh> meshes, const DiscreteOptions& options)
+      : device(embree_instruction_set(options.instruction_set)) {
     const auto begin = std::chrono::steady_clock::now();
     cut_outs = options.cut_outs;
     for (size_t m = 0; m < meshes.size(); ++m) {
@@ -305,6 +306,16 @@ struct DiscreteScene::Impl {
     }
   }
 };
+
+InstructionSet embree_instruction_set(std::optional<InstructionSet> wanted) {
+  const std::span<const InstructionSet> supported = supported_instruction_sets();
+  const InstructionSet set = wanted.value_or(supported.back());
+  if (std::find(supported.begin(), supported.end(), set) == supported.end())
+    throw Error(ErrorCode::bad_usage, "instruction set " + std::string(to_string(set)),
+                "this machine does not have it");
+  // Of x86, every machine that Embree runs on has SSE4.
+  return set == InstructionSet::scalar && supported.back() != InstructionSet::neon ? InstructionSet::sse4 : set;
+}
 
 DiscreteScene::DiscreteScene(std::span<const Mesh> meshes, const DiscreteOptions& options) {
   const int exponent = working_exponent(meshes);

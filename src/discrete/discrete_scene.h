@@ -28,7 +28,12 @@ struct DiscreteOptions {
   /// Stretches of even motion get at least this many keys, as far as kMaxTimeSteps allow, by equal parts of each key
   /// span: more and tighter boxes for the same motion. 0: no more than there are.
   int keys = 0;
+  std::optional<InstructionSet> instruction_set = std::nullopt;  ///< of Embree's code; unset: the best one
 };
+
+/// Embree's code that goes with an instruction set of the kernels: the same, or its oldest for `scalar`; of none the
+/// best one. Throws Error(bad_usage) where the machine lacks it.
+InstructionSet embree_instruction_set(std::optional<InstructionSet> wanted);
 
 /// Which meshes a ray is to see.
 enum class DiscreteLayer {

@@ -6,7 +6,27 @@
 
 namespace kairos {
 
-EmbreeDevice::EmbreeDevice() : device_(rtcNewDevice(nullptr)) {
+namespace {
+
+/// In Embree's words.
+const char* config_of(InstructionSet set) {
+  switch (set) {
+    case InstructionSet::scalar:
+    case InstructionSet::sse4:
+      return "isa=sse4.2";
+    case InstructionSet::avx2:
+      return "isa=avx2";
+    case InstructionSet::avx512:
+      return "isa=avx512";
+    case InstructionSet::neon:
+      break;
+  }
+  return "";
+}
+
+}  // namespace
+
+EmbreeDevice::EmbreeDevice(InstructionSet set) : device_(rtcNewDevice(config_of(set))) {
   if (!device_)
     throw Error(ErrorCode::bad_input, "Embree",
                 "cannot start (error " + std::to_string(rtcGetDeviceError(nullptr)) + "); is this processor too old?");

@@ -10,6 +10,8 @@
 
 #include <embree3/rtcore.h>
 
+#include <kairos/tracer.h>
+
 #if defined(__SSE__)
 #include <xmmintrin.h>
 #endif
@@ -19,7 +21,8 @@ namespace kairos {
 /// An Embree device that remembers its first error and counts its memory. Not to be moved: Embree points to it.
 class EmbreeDevice {
  public:
-  EmbreeDevice();
+  /// set: which of Embree's code is used; the machine must have it. Rounding differs, so it decides about bits.
+  explicit EmbreeDevice(InstructionSet set);
   ~EmbreeDevice();
   EmbreeDevice(const EmbreeDevice&) = delete;
   EmbreeDevice& operator=(const EmbreeDevice&) = delete;

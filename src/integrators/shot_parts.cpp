@@ -44,15 +44,23 @@ std::shared_ptr<const CutOuts> ShotParts::cut_outs() {
   return surfaces_->cut_outs();
 }
 
+void ShotParts::choose_instruction_set(std::optional<InstructionSet> wanted) {
+  const InstructionSet set = embree_instruction_set(wanted);
+  if (set != embree_set_) drop_discrete();
+  embree_set_ = set;
+}
+
+void ShotParts::drop_discrete() {
+  discrete_ = {};
+  std::erase_if(shaders_, [](const auto& entry) { return std::get<0>(entry.first) == ShadingKind::whitted; });
+}
+
 std::shared_ptr<const DiscreteScene> ShotParts::shared_discrete(int keys) {
-  if (keys != discrete_keys_) {  // one is kept at a time: they are large
-    discrete_ = {};
-    std::erase_if(shaders_, [](const auto& entry) { return std::get<0>(entry.first) == ShadingKind::whitted; });
-    discrete_keys_ = keys;
-  }
+  if (keys != discrete_keys_) drop_discrete();  // one is kept at a time: they are large
+  discrete_keys_ = keys;
   const auto cut_outs = this->cut_outs();
   use(discrete_, &BuildSeconds::discrete, [&] {
-    return std::make_shared<const DiscreteScene>(shot_.meshes, DiscreteOptions{true, cut_outs, keys});
+    return std::make_shared<const DiscreteScene>(shot_.meshes, DiscreteOptions{true, cut_outs, keys, embree_set_});
   });
   return discrete_.part;
 }

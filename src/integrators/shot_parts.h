@@ -35,6 +35,8 @@ class ShotParts {
 
   const Shot& shot() const { return shot_; }
 
+  /// Of all discrete rays from now on.
+  void choose_instruction_set(std::optional<InstructionSet> wanted);
   /// discrete_keys: see RenderParams; of the rays that shading itself traces. want_variation: see Shader.
   const Shader& shader(ShadingKind kind, bool want_normal, int max_depth, int discrete_keys,
                        bool want_variation = false);
@@ -64,6 +66,7 @@ class ShotParts {
   template <class Part, class Make>
   const Part& use(Timed<Part>& timed, double BuildSeconds::*field, const Make& make);
   std::shared_ptr<const DiscreteScene> shared_discrete(int keys);
+  void drop_discrete();
   std::shared_ptr<const CutOuts> cut_outs();
 
   const Shot& shot_;
@@ -72,6 +75,7 @@ class ShotParts {
   std::map<std::pair<std::optional<InstructionSet>, bool>, Timed<Tracer>> tracers_;
   Timed<DiscreteScene> discrete_;
   int discrete_keys_ = 0;
+  InstructionSet embree_set_ = embree_instruction_set(std::nullopt);
   std::map<double, Timed<ScreenMotion>> motions_;  // by margin
   /// Masks are made for whole squares of so many pixels, so that small crops next to each other share one.
   static constexpr int kMaskGrid = 256;

@@ -107,6 +107,7 @@ class Way {
 }  // namespace
 
 Calibration measure_rays(ShotParts& parts, const RenderParams& params, Monitor& monitor) {
+  parts.choose_instruction_set(params.instruction_set);
   const Projection& frame = parts.shot().projection;
   Crop part;  // the first in which anything moves: of all but huge frames the whole
   PixelPlaces pixels;

@@ -171,6 +171,9 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
   put("kairos:shading", std::string(to_string(params.shading)));
   if (params.shading == ShadingKind::whitted) put("kairos:max_depth", params.max_depth);
   put("kairos:filter", std::string(to_string(params.filter)));
+  if (stats.instruction_set) put("kairos:instruction_set", std::string(to_string(*stats.instruction_set)));
+  if (stats.embree_instruction_set)
+    put("kairos:embree_instruction_set", std::string(to_string(*stats.embree_instruction_set)));
   put("kairos:seed", std::to_string(params.seed));
   put("kairos:shutter", std::array<double, 2>{shot.shutter_open, shot.shutter_close});
   put("kairos:render_seconds", stats.render_seconds);
@@ -196,6 +199,10 @@ void render_here(ShotParts& parts, const RenderParams& params, const Crop& crop,
                  std::span<PixelConsumer* const> consumers, Monitor& monitor, RenderStats& stats) {
   const Shot& shot = parts.shot();
   stats.threads = thread_count();
+  parts.choose_instruction_set(params.instruction_set);
+  const bool discrete_rays = params.integrator != IntegratorKind::tc || params.shading == ShadingKind::whitted;
+  if (discrete_rays && !shows_bounds(params.shading))
+    stats.embree_instruction_set = embree_instruction_set(params.instruction_set);
   const bool want_variation =
       params.integrator != IntegratorKind::qmc && !needs.over_time() && clusters_of(params) == Clusters::pixel;
   const Shader& shader =

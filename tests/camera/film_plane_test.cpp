@@ -9,6 +9,7 @@
 #include "camera/camera_rays.h"
 #include "camera/pixel_cone.h"
 #include "error_matchers.h"
+#include "seed.h"
 
 namespace kairos {
 namespace {
@@ -56,9 +57,7 @@ TEST(FilmPlane, AShiftShowsAPartOfALargerFrame) {
 }
 
 TEST(FilmPlane, FollowsAnyMatrix) {
-  const unsigned seed = std::random_device{}();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 random(seed);
+  std::mt19937 random(test::seed());
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int i = 0; i < 200; ++i) {
     const bool flat = i % 2 == 0;

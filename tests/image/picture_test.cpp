@@ -67,7 +67,7 @@ TEST(Picture, HdrIsLinear) {
 }
 
 TEST(Picture, ExrIsLinearAndWhatIsNotFiniteIsZero) {
-  Image image{2, 1, 0, 0, 2, 1, 1, {}, {}};
+  Image image{2, 1, 0, 0, 2, 1, {}, {}};
   image.channels = {{"R", Channel::Storage::colour, {0.25f, NAN}},
                     {"G", Channel::Storage::colour, {4, INFINITY}},
                     {"B", Channel::Storage::colour, {0, 1}}};

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 
 /// A PNG of 1 x 1 pixels, pure red.
 std::vector<uint8_t> red_png(const TempFolder& folder) {
-  Image image{1, 1, 0, 0, 1, 1, 1, {}, {}};
+  Image image{1, 1, 0, 0, 1, 1, {}, {}};
   image.channels = {
       {"R", Channel::Storage::colour, {1}}, {"G", Channel::Storage::colour, {0}}, {"B", Channel::Storage::colour, {0}}};
   write_image(image, folder.path("red.png"));
@@ -49,7 +49,7 @@ void expect_red(const Scene& scene) {
 
 TEST(LoadTextures, OfTheEnvironment) {
   const TempFolder folder;
-  Image image{2, 1, 0, 0, 2, 1, 1, {}, {}};
+  Image image{2, 1, 0, 0, 2, 1, {}, {}};
   for (const char* channel : {"R", "G", "B"}) image.channels.push_back({channel, Channel::Storage::colour, {3, 4}});
   write_image(image, folder.path("sky.exr"));
   folder.write("scene.json", R"({"kairos": 1, "lights": [{"type": "constant", "radiance": [1, 1, 1]},
@@ -72,7 +72,7 @@ TEST(LoadTextures, OfTheEnvironment) {
 
 TEST(LoadTextures, EqualAreasNeedASquare) {
   const TempFolder folder;
-  Image image{2, 1, 0, 0, 2, 1, 1, {}, {}};
+  Image image{2, 1, 0, 0, 2, 1, {}, {}};
   for (const char* channel : {"R", "G", "B"}) image.channels.push_back({channel, Channel::Storage::colour, {3, 4}});
   write_image(image, folder.path("sky.exr"));
   folder.write("scene.pbrt", "WorldBegin LightSource \"infinite\" \"string filename\" \"sky.exr\"");

@@ -96,7 +96,8 @@ TEST(MakeScene, RendersTheBitsOfTheSameSceneFromFiles) {
   description.cameras[0].vfov = from_file.projection.vfov;  // through degrees
   const Shot from_memory = make_shot(*make_scene(description));
   ASSERT_EQ(from_memory.meshes.size(), 2u);
-  EXPECT_GT(from_memory.meshes[0].key_count(), 2u);
+  EXPECT_EQ(from_memory.meshes[0].key_count(), from_file.meshes[0].key_count());
+  EXPECT_GE(from_memory.meshes[0].key_count(), 2u);
   EXPECT_NE(from_memory.textures[2].base_color, nullptr);
   for (const IntegratorKind integrator : {IntegratorKind::tc, IntegratorKind::qmc, IntegratorKind::automatic})
     for (const ShadingKind shading : {ShadingKind::normal, ShadingKind::flat, ShadingKind::whitted}) {
@@ -110,7 +111,7 @@ TEST(MakeScene, RendersTheBitsOfTheSameSceneFromFiles) {
       EXPECT_TRUE(same_bits(a, b)) << int(integrator) << ' ' << int(shading);
       EXPECT_EQ(b.pixel_aspect, 1.5);
       const std::vector<float>& coverage = b.find("coverage.A")->values;
-      EXPECT_GT(std::accumulate(coverage.begin(), coverage.end(), 0.0f), 50);
+      EXPECT_GT(std::accumulate(coverage.begin(), coverage.end(), 0.0f), 20);
     }
 }
 

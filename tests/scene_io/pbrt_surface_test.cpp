@@ -172,7 +172,7 @@ TEST_F(PbrtSurface, AlphaImagesMakeMasks) {
 }
 
 TEST_F(PbrtSurface, AlphaImagesAreLookedUp) {
-  Image image{1, 1, 0, 0, 1, 1, 1, {}, {}};
+  Image image{1, 1, 0, 0, 1, 1, {}, {}};
   for (const char* channel : {"R", "G", "B"}) image.channels.push_back({channel, Channel::Storage::colour, {0}});
   write_image(image, folder_.path("leaf.png"));
   const std::string leaf = "Texture \"l\" \"float\" \"imagemap\" \"string filename\" \"leaf.png\"\n";
