@@ -37,6 +37,7 @@ class ShotParts {
 
   /// Of all discrete rays from now on.
   void choose_instruction_set(std::optional<InstructionSet> wanted);
+  InstructionSet embree_set() const { return embree_set_; }
   /// discrete_keys: see RenderParams; of the rays that shading itself traces. want_variation: see Shader.
   const Shader& shader(ShadingKind kind, bool want_normal, int max_depth, int discrete_keys,
                        bool want_variation = false);

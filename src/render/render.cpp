@@ -201,8 +201,7 @@ void render_here(ShotParts& parts, const RenderParams& params, const Crop& crop,
   stats.threads = thread_count();
   parts.choose_instruction_set(params.instruction_set);
   const bool discrete_rays = params.integrator != IntegratorKind::tc || params.shading == ShadingKind::whitted;
-  if (discrete_rays && !shows_bounds(params.shading))
-    stats.embree_instruction_set = embree_instruction_set(params.instruction_set);
+  if (discrete_rays && !shows_bounds(params.shading)) stats.embree_instruction_set = parts.embree_set();
   const bool want_variation =
       params.integrator != IntegratorKind::qmc && !needs.over_time() && clusters_of(params) == Clusters::pixel;
   const Shader& shader =

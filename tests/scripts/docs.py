@@ -102,6 +102,8 @@ def check_options():
         described = set(re.findall(r"^\| `(?:-\w, )?(--[a-z-]+)", sections.get(command, ""), re.MULTILINE))
         if "Choosing the shot" in sections.get(command, ""):
             described |= set(re.findall(r"^\| `(--[a-z-]+)", shared, re.MULTILINE))
+        for listed in re.findall(r"takes the options of `render`[^(]*\(([^)]*)\)", sections.get(command, "")):
+            described |= set(re.findall(r"`(--[a-z-]+)`", listed))
         check(len(shown) > 2, f"kairos {command} --help shows {shown}")
         check(not shown - described, f"kairos {command}: not described: {sorted(shown - described)}")
         check(not described - shown, f"kairos {command}: described, but not in --help: {sorted(described - shown)}")
