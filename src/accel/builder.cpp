@@ -168,11 +168,13 @@ class Builder {
 
   /// Parts triangles that have few key spans from those that have many: where the numbers differ most.
   void split_by_spans(Range& range, Range& right) const {
-    std::stable_sort(range.primitives(), range.primitives() + range.count(),
-                     [&](const Primitive& a, const Primitive& b) {
-                       return triangles_->spans(a.id().mesh, range.store->window) <
-                              triangles_->spans(b.id().mesh, range.store->window);
-                     });
+    const auto fewer = [&](const Primitive& a, const Primitive& b) {
+      return triangles_->spans(a.id().mesh, range.store->window) < triangles_->spans(b.id().mesh, range.store->window);
+    };
+    // A few primitives, sorted by insertion: std::stable_sort's buffer does not keep to their alignment.
+    Primitive *const first = range.primitives(), *const last = first + range.count();
+    for (Primitive* next = first; next != last; ++next)
+      std::rotate(std::upper_bound(first, next, *next, fewer), next, next + 1);
     uint32_t where = 1;
     float largest = 0;
     for (uint32_t i = 1; i < range.count(); ++i) {
