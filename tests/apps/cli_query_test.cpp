@@ -64,7 +64,9 @@ TEST_F(CliQuery, LimitsCutWhatIsSeen) {
   EXPECT_EQ(segments[0].at("begin"), 0.5);
   EXPECT_EQ(segments[1].at("mesh"), "square \"x\"");
   EXPECT_EQ(segments[1].at("end"), 0.75);
-  for (const json& segment : query("0 0.5 0 0 0 -2\n", "--max-dist 1.25")[0].at("segments"))
+  const auto near = query("0 0.5 0 0 0 -2\n", "--max-dist 1.25");
+  ASSERT_FALSE(near[0].at("segments").empty());
+  for (const json& segment : near[0].at("segments"))
     EXPECT_EQ(segment.at("mesh"), "bar") << "the square is 1.5 away";
 }
 
