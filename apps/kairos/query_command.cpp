@@ -153,6 +153,7 @@ void run_query(QueryArguments arguments) {
     if (!file) throw Error(ErrorCode::io, arguments.rays, "cannot be opened for reading; check the name");
   }
   const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
+  for (const std::string& warning : contents(*scene).warnings) std::cerr << "warning: " << warning << '\n';
   arguments.scene.shot.space = ShotOptions::Space::world;
   const Shot shot = make_shot(*scene, arguments.scene.shot);
   Answerer answerer(shot, arguments);

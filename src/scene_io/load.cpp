@@ -17,6 +17,7 @@
 #include "scene_io/gltf/gltf.h"
 #include "scene_io/keyframes.h"
 #include "scene_io/native/native.h"
+#include "scene_io/obj/materials.h"
 #include "scene_io/obj/obj.h"
 #include "scene_io/pbrt/pbrt.h"
 #include "scene_io/ply/ply.h"
@@ -51,7 +52,7 @@ std::vector<double> even_times(size_t keys) {
   return times;
 }
 
-MeshData load_mesh_data(const std::vector<std::string>& paths, LoadContext& context) {
+MeshFile load_mesh_file(const std::vector<std::string>& paths, bool with_materials, LoadContext& context) {
   constexpr uint64_t kMaxFileSize = uint64_t{1} << 34;
   std::vector<PolygonMesh> keys;
   for (const std::string& path : paths) {
@@ -60,27 +61,44 @@ MeshData load_mesh_data(const std::vector<std::string>& paths, LoadContext& cont
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     keys.push_back(format_of(path) == FileFormat::obj ? parse_obj(text, path) : parse_ply(text, path));
   }
-  return make_mesh_data(std::move(keys), context.options.strict);
+  MeshData data = make_mesh_data(std::move(keys), context.options.strict);
+  data.uvs = uvs_from_above(std::move(data.uvs));
+  MeshFile file;
+  file.warnings = std::move(data.warnings);
+  const bool names_any = !data.libraries.empty() || std::any_of(data.material_names.begin(), data.material_names.end(),
+                                                                [](const std::string& name) { return !name.empty(); });
+  if (with_materials && names_any) {
+    FileWarnings warnings(context.options.strict);
+    file.materials = read_obj_materials(paths.front(), data.libraries, data.material_names, warnings);
+    for (std::string& line : warnings.lines()) file.warnings.push_back(std::move(line));
+  } else {
+    data.triangle_materials.clear();
+  }
+  file.parts = split_by_material(std::move(data));
+  return file;
 }
 
 namespace {
 
-/// A scene of one mesh, its keys spread evenly over the time 0 to 1.
+/// A scene of one mesh, or one for each of its materials, with keys spread evenly over the time 0 to 1.
 Scene load_mesh_scene(const std::vector<std::string>& paths, LoadContext& context) {
-  MeshData data = load_mesh_data(paths, context);
+  MeshFile file = load_mesh_file(paths, true, context);
   Scene scene;
-  scene.materials.emplace_back();
+  scene.materials = std::move(file.materials);
+  if (scene.materials.empty()) scene.materials.emplace_back();
   scene.fps = 1;
   if (paths.size() > 1) scene.shutter = {0, 1};
-  scene.warnings = std::move(data.warnings);
-  SceneMesh mesh;
-  mesh.name = std::filesystem::path(paths.front()).stem().string();
-  mesh.triangles = std::move(data.triangles);
-  mesh.uvs = uvs_from_above(std::move(data.uvs));
-  mesh.prim_ids = std::move(data.prim_ids);
-  mesh.motion = std::make_shared<KeyframeMotion>(
-      VertexKeys{even_times(paths.size()), std::move(data.positions), std::move(data.normals)});
-  scene.meshes.push_back(std::move(mesh));
+  scene.warnings = std::move(file.warnings);
+  for (MaterialPart& part : file.parts) {
+    SceneMesh mesh;
+    mesh.name = std::filesystem::path(paths.front()).stem().string();
+    if (file.parts.size() > 1) mesh.name += "." + scene.materials[part.material].name;
+    mesh.material = part.material;
+    mesh.motion = std::make_shared<KeyframeMotion>(
+        VertexKeys{even_times(paths.size()), std::move(part.data.positions), std::move(part.data.normals)});
+    take_surface(mesh, part.data);
+    scene.meshes.push_back(std::move(mesh));
+  }
   return scene;
 }
 
@@ -107,6 +125,12 @@ void number_repeated_names(std::vector<T>& named) {
 }
 
 }  // namespace
+
+void take_surface(SceneMesh& mesh, MeshData& data) {
+  mesh.triangles = std::move(data.triangles);
+  mesh.uvs = std::move(data.uvs);
+  mesh.prim_ids = std::move(data.prim_ids);
+}
 
 void make_names_unique(Scene& scene) {
   number_repeated_names(scene.meshes);

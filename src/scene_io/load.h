@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scene/scene.h"
-#include "scene_io/mesh_data.h"
+#include "scene_io/split_by_material.h"
 
 namespace kairos {
 
@@ -25,8 +25,19 @@ FileFormat format_of(const std::string& path);
 /// OBJ and PLY hold a mesh, other formats scenes.
 bool is_mesh_file(const std::string& path);
 
-/// Reads OBJ or PLY files as the motion keys of one mesh. Throws Error(bad_input) or Error(io).
-MeshData load_mesh_data(const std::vector<std::string>& paths, LoadContext& context);
+/// What a mesh file holds: triangles of one material each.
+struct MeshFile {
+  std::vector<MaterialPart> parts;
+  std::vector<Material> materials;    ///< that parts refer to; empty: the file says nothing of materials
+  std::vector<std::string> warnings;  ///< one line each
+};
+
+/// Reads OBJ or PLY files as the motion keys of one mesh; materials are the first one's. Texture coordinates count from
+/// a picture's upper edge. Throws Error(bad_input) or Error(io). with_materials: otherwise all is one part.
+MeshFile load_mesh_file(const std::vector<std::string>& paths, bool with_materials, LoadContext& context);
+
+/// Moves triangles, their numbers and what lies on their vertices.
+void take_surface(SceneMesh& mesh, MeshData& data);
 
 /// times[key] for keys spread evenly over 0 to 1.
 std::vector<double> even_times(size_t keys);

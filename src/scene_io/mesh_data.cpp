@@ -12,14 +12,34 @@
 
 namespace kairos {
 
-void PolygonMesh::end_face(uint64_t size) {
+void PolygonMesh::end_face(uint64_t size, uint32_t material) {
   if (corners.size() > kMaxIndices) throw Error(ErrorCode::bad_input, path, "has more than 2^32 face corners");
   // While all faces are triangles their sizes are not kept.
   if (size != 3 && face_sizes.empty()) face_sizes.assign((corners.size() - size) / 3, 3);
   if (size != 3 || !face_sizes.empty()) face_sizes.push_back(static_cast<uint32_t>(size));
+  // Nor are materials, while all faces have the first.
+  if (material != 0 && face_materials.empty())
+    face_materials.assign((face_sizes.empty() ? corners.size() / 3 : face_sizes.size()) - 1, 0);
+  if (material != 0 || !face_materials.empty()) face_materials.push_back(material);
 }
 
 namespace {
+
+/// Collects warnings; with `strict` the first of them is an error.
+class Warn {
+ public:
+  Warn(std::vector<std::string>& lines, bool strict) : lines_(lines), strict_(strict) {}
+
+  void operator()(const std::string& place, const std::string& what) { line(place + ": " + what); }
+  void line(const std::string& line) {
+    if (strict_) throw Error(ErrorCode::bad_input, "", line);
+    lines_.push_back(line);
+  }
+
+ private:
+  std::vector<std::string>& lines_;
+  bool strict_;
+};
 
 size_t face_count(const PolygonMesh& mesh) {
   return mesh.face_sizes.empty() ? mesh.corners.size() / 3 : mesh.face_sizes.size();
@@ -103,23 +123,32 @@ bool all_corners_have(const std::vector<Vec3f>& pool, const std::vector<uint32_t
   return true;
 }
 
-/// A corner is bad when any of its indices names nothing.
-std::vector<bool> find_bad_corners(const std::vector<PolygonMesh>& keys) {
-  std::vector<bool> bad(keys.front().corners.size(), false);
-  const auto look = [&](const std::vector<uint32_t>& indices, size_t count, bool may_be_absent) {
-    for (size_t c = 0; c < indices.size(); ++c)
-      if (indices[c] >= count && !(may_be_absent && indices[c] == kNoIndex)) bad[c] = true;
-  };
-  look(keys.front().corners, keys.front().positions.size(), false);
-  for (const PolygonMesh& key : keys) {
-    look(key.corner_normals, key.normals.size(), true);
-    look(key.corner_uvs, key.uvs.size(), true);
-  }
+/// Indices of normals or texture coordinates that name nothing become none: the face is there all the same. Returns how
+/// many there were.
+size_t forget_bad(std::vector<uint32_t>& indices, size_t count) {
+  size_t bad = 0;
+  for (uint32_t& index : indices)
+    if (index >= count && index != kNoIndex) {
+      index = kNoIndex;
+      ++bad;
+    }
   return bad;
 }
 
-/// All triangles, as corner indices.
-std::vector<Triangle> triangulate_faces(const PolygonMesh& mesh, MeshData& data) {
+void forget_bad_attributes(PolygonMesh& mesh, Warn& warn) {
+  const auto forget = [&](std::vector<uint32_t>& indices, size_t count, const char* what) {
+    const size_t bad = forget_bad(indices, count);
+    if (bad > 0)
+      warn(mesh.path, fmt::format("{} of {} face corners name {} that are not there (the file has {}): they have none",
+                                  bad, indices.size(), what, count));
+    if (bad > 0 && count == 0) indices.clear();
+  };
+  forget(mesh.corner_normals, mesh.normals.size(), "normals");
+  forget(mesh.corner_uvs, mesh.uvs.size(), "texture coordinates");
+}
+
+/// All triangles, as corner indices, and what material each has.
+std::vector<Triangle> triangulate_faces(const PolygonMesh& mesh, std::vector<uint32_t>& materials, Warn& warn) {
   std::vector<Triangle> triangles;
   const size_t faces = face_count(mesh);
   triangles.reserve(faces);
@@ -143,13 +172,13 @@ std::vector<Triangle> triangulate_faces(const PolygonMesh& mesh, MeshData& data)
       if (!triangulate_polygon(points, cut)) ++large;
       for (const Triangle& t : cut) triangles.push_back({begin + t[0], begin + t[1], begin + t[2]});
     }
+    if (!mesh.face_materials.empty()) materials.resize(triangles.size(), mesh.face_materials[f]);
     begin += size;
   }
-  if (small > 0)
-    data.warnings.push_back(fmt::format("{}: {} faces with fewer than 3 corners left out", mesh.path, small));
+  if (small > 0) warn(mesh.path, fmt::format("{} faces with fewer than 3 corners left out", small));
   if (large > 0)
-    data.warnings.push_back(fmt::format("{}: {} concave polygons with more than {} corners cut as if they were convex",
-                                        mesh.path, large, kMaxConcaveCorners));
+    warn(mesh.path, fmt::format("{} concave polygons with more than {} corners cut as if they were convex", large,
+                                kMaxConcaveCorners));
   return triangles;
 }
 
@@ -162,14 +191,19 @@ void normalize_all(std::vector<Vec3f>& normals) {
 MeshData make_mesh_data(std::vector<PolygonMesh> keys, bool strict) {
   check_same_faces(keys);
   MeshData data;
-  for (PolygonMesh& key : keys) data.warnings.insert(data.warnings.end(), key.warnings.begin(), key.warnings.end());
+  Warn warn(data.warnings, strict);
+  for (PolygonMesh& key : keys) {
+    for (const std::string& warning : key.warnings) warn.line(warning);
+    forget_bad_attributes(key, warn);
+  }
   PolygonMesh& first = keys.front();
   const std::string place = keys.size() == 1 ? first.path : first.path + " to " + keys.back().path;
-  const std::vector<bool> bad_corner = find_bad_corners(keys);
-  const std::vector<Triangle> triangles = triangulate_faces(first, data);
+  std::vector<uint32_t> materials;
+  const std::vector<Triangle> triangles = triangulate_faces(first, materials, warn);
 
   Vertices vertices;
   vertices.corner = first.corners;
+  const size_t file_vertices = first.positions.size();
   vertices.position.resize(first.positions.size());
   for (size_t v = 0; v < vertices.position.size(); ++v) vertices.position[v] = static_cast<uint32_t>(v);
   bool with_normals = true, some_normals = false;
@@ -177,7 +211,7 @@ MeshData make_mesh_data(std::vector<PolygonMesh> keys, bool strict) {
     with_normals = with_normals && all_corners_have(key.normals, key.corner_normals);
     some_normals = some_normals || !key.normals.empty();
   }
-  if (some_normals && !with_normals) data.warnings.push_back(place + ": normals left out: not every corner has one");
+  if (some_normals && !with_normals) warn(place, "normals left out: not every corner has one");
   if (!first.uvs.empty() && !first.corner_uvs.empty()) vertices.split(first.corner_uvs, place);
   for (const PolygonMesh& key : keys)
     if (with_normals && !key.corner_normals.empty()) vertices.split(key.corner_normals, place);
@@ -198,11 +232,12 @@ MeshData make_mesh_data(std::vector<PolygonMesh> keys, bool strict) {
   for (const auto& key : data.positions)
     for (size_t v = 0; v < key.size(); ++v)
       if (!is_finite(key[v])) finite[v] = false;
+  const auto is_bad = [&](uint32_t corner) { return first.corners[corner] >= file_vertices; };
   size_t bad_index = 0, not_finite = 0;
   data.triangles.reserve(triangles.size());
   for (size_t t = 0; t < triangles.size(); ++t) {
     const auto [a, b, c] = triangles[t];
-    const bool bad = bad_corner[a] || bad_corner[b] || bad_corner[c];
+    const bool bad = is_bad(a) || is_bad(b) || is_bad(c);
     const Triangle triangle{vertices.corner[a], vertices.corner[b], vertices.corner[c]};
     const bool usable = !bad && finite[triangle[0]] && finite[triangle[1]] && finite[triangle[2]];
     if (!usable) {
@@ -212,16 +247,16 @@ MeshData make_mesh_data(std::vector<PolygonMesh> keys, bool strict) {
       continue;
     }
     data.triangles.push_back(triangle);
+    if (!materials.empty()) data.triangle_materials.push_back(materials[t]);
     if (bad_index + not_finite > 0) data.prim_ids.push_back(static_cast<uint32_t>(t));
   }
-  if (bad_index + not_finite > 0) {
-    const std::string what =
-        fmt::format("{} of {} triangles dropped: {} with an index out of range, {} with a vertex that is not finite",
-                    bad_index + not_finite, triangles.size(), bad_index, not_finite);
-    if (strict) throw Error(ErrorCode::bad_input, place, what);
-    data.warnings.push_back(place + ": " + what);
-  }
-  if (data.triangles.empty()) data.warnings.push_back(place + ": has no triangles");
+  if (bad_index + not_finite > 0)
+    warn(place, fmt::format("{} of {} triangles dropped: {} with a vertex index out of range, {} with a vertex that is "
+                            "not finite",
+                            bad_index + not_finite, triangles.size(), bad_index, not_finite));
+  if (data.triangles.empty()) warn(place, "has no triangles");
+  data.material_names = std::move(first.material_names);
+  data.libraries = std::move(first.libraries);
   return data;
 }
 

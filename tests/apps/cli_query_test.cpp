@@ -66,8 +66,7 @@ TEST_F(CliQuery, LimitsCutWhatIsSeen) {
   EXPECT_EQ(segments[1].at("end"), 0.75);
   const auto near = query("0 0.5 0 0 0 -2\n", "--max-dist 1.25");
   ASSERT_FALSE(near[0].at("segments").empty());
-  for (const json& segment : near[0].at("segments"))
-    EXPECT_EQ(segment.at("mesh"), "bar") << "the square is 1.5 away";
+  for (const json& segment : near[0].at("segments")) EXPECT_EQ(segment.at("mesh"), "bar") << "the square is 1.5 away";
 }
 
 TEST_F(CliQuery, OccludedSaysOnlyWhenAnythingIsMet) {

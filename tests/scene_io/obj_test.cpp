@@ -11,7 +11,9 @@ namespace kairos {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 MeshData load(const std::vector<std::string>& texts, bool strict = false) {
   std::vector<PolygonMesh> keys;
@@ -91,7 +93,7 @@ TEST(Obj, NormalsAreLeftOutWhereSomeCornerHasNone) {
   const MeshData mesh = load(kSquare + "vn 0 0 1\nf 1//1 2//1 3//1\nf 1 3 4\n");
   EXPECT_THAT(mesh.normals, IsEmpty());
   ASSERT_EQ(mesh.warnings.size(), 1u);
-  EXPECT_THAT(mesh.warnings[0], testing::HasSubstr("normals left out"));
+  EXPECT_THAT(mesh.warnings[0], HasSubstr("normals left out"));
 }
 
 TEST(Obj, BadTrianglesAreDroppedCountedAndReportedOnce) {
@@ -100,10 +102,41 @@ TEST(Obj, BadTrianglesAreDroppedCountedAndReportedOnce) {
   const MeshData mesh = load(text);
   EXPECT_THAT(mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{1, 2, 3}));
   EXPECT_THAT(mesh.prim_ids, ElementsAre(0, 6));
-  EXPECT_THAT(mesh.warnings, ElementsAre("key0.obj: 1 faces with fewer than 3 corners left out",
-                                         "key0.obj: 6 of 8 triangles dropped: 4 with an index out of range, 2 with a "
-                                         "vertex that is not finite"));
-  expect_error([&] { load({text}, true); }, {"key0.obj", "6 of 8 triangles dropped"});
+  EXPECT_THAT(mesh.warnings,
+              ElementsAre("key0.obj: 1 faces with fewer than 3 corners left out",
+                          "key0.obj: 6 of 8 triangles dropped: 4 with a vertex index out of range, 2 with a "
+                          "vertex that is not finite"));
+  expect_error([&] { load({text}, true); }, {"key0.obj: 1 faces with fewer than 3 corners"});
+}
+
+TEST(Obj, CornersWhoseAttributesAreNotThereKeepTheirPlace) {
+  const MeshData none = load(kSquare + "g all\nf 1/5/1 2/6/2 3/7/3\n");
+  EXPECT_THAT(none.triangles, ElementsAre(Triangle{0, 1, 2}));
+  EXPECT_THAT(none.normals, IsEmpty());
+  EXPECT_THAT(none.uvs, IsEmpty());
+  EXPECT_THAT(
+      none.warnings,
+      ElementsAre("key0.obj: 3 of 3 face corners name normals that are not there (the file has 0): they have none",
+                  "key0.obj: 3 of 3 face corners name texture coordinates that are not there (the file has 0): they "
+                  "have none"));
+  // One that is missing takes nothing from the others.
+  const MeshData one = load(kSquare + "vt .5 .25\nf 1/1 2/1 3/2\nf 1/1 3/1 4/-9\n");
+  EXPECT_THAT(one.triangles, SizeIs(2));
+  EXPECT_THAT(one.uvs, ElementsAre(Vec2f{0.5, 0.25}, Vec2f{0.5, 0.25}, Vec2f{0, 0}, Vec2f{0, 0}, Vec2f{0.5, 0.25}));
+  EXPECT_THAT(one.warnings, ElementsAre(HasSubstr("2 of 6 face corners name texture coordinates")));
+  expect_error([] { load({kSquare + "f 1//1 2//1 3//1\n"}, true); }, {"key0.obj", "normals that are not there"});
+}
+
+TEST(Obj, WhatIsNotReadIsSaidOnce) {
+  const MeshData mesh = load(kSquare + "o a\ng b\ns off\nl 1 2\nl 2 3\np 1\nf 1 2 3\n");
+  EXPECT_THAT(mesh.warnings, ElementsAre("key0.obj:8: statements 'l' are left out (2 times)",
+                                         "key0.obj:10: statements 'p' are left out"));
+  expect_error([] { load({kSquare + "f 1 2 3\nl 1 2\n"}, true); }, {"key0.obj:6", "'l'"});
+  EXPECT_THAT(load(kSquare + "s 1\nf 1 2 3\n").warnings, ElementsAre(HasSubstr("key0.obj:5: smoothing groups")));
+  EXPECT_THAT(load(kSquare + "s 1\nvn 0 0 1\nf 1//1 2//1 3//1\n").warnings, IsEmpty());
+  std::string many = kSquare;
+  for (int i = 0; i < 5000; ++i) many += "word" + std::to_string(i) + "\n";
+  EXPECT_LT(load(many).warnings.size(), 300u);
 }
 
 TEST(Obj, KeysShareOneConnectivity) {
@@ -141,7 +174,7 @@ TEST(Obj, KeysOfOtherConnectivityAreRefused) {
 }
 
 TEST(Obj, AByteOrderMarkHidesNothing) {
-  EXPECT_THAT(load("\xef\xbb\xbf" + kSquare + "f 1 2 3\n").positions, ElementsAre(testing::SizeIs(4)));
+  EXPECT_THAT(load("\xef\xbb\xbf" + kSquare + "f 1 2 3\n").positions, ElementsAre(SizeIs(4)));
 }
 
 TEST(Obj, MalformedLinesNameTheirNumber) {

@@ -116,7 +116,8 @@ TEST_F(PbrtShapes, BadTrianglesAreDropped) {
       "0]";
   const Scene scene = load_world(text);
   EXPECT_THAT(scene.meshes[0].triangles, ElementsAre(Triangle{0, 1, 2}));
-  EXPECT_THAT(scene.warnings, ElementsAre(HasSubstr("3 of 4 triangles dropped: 2 with an index out of range, 1 with")));
+  EXPECT_THAT(scene.warnings,
+              ElementsAre(HasSubstr("3 of 4 triangles dropped: 2 with a vertex index out of range, 1 with")));
   expect_error([&] { load_world(text, true); }, {"scene.pbrt:4", "3 of 4 triangles"});
 }
 

@@ -160,7 +160,8 @@ TEST(Ply, BadTrianglesAreDroppedCountedAndReportedOnce) {
   EXPECT_THAT(mesh.prim_ids, ElementsAre(0, 4));
   EXPECT_THAT(
       mesh.warnings,
-      ElementsAre("a.ply: 3 of 5 triangles dropped: 2 with an index out of range, 1 with a vertex that is not finite"));
+      ElementsAre(
+          "a.ply: 3 of 5 triangles dropped: 2 with a vertex index out of range, 1 with a vertex that is not finite"));
 }
 
 TEST(Ply, ElementsWithoutPropertiesTakeNoTime) {

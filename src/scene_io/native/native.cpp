@@ -40,7 +40,7 @@ class NativeReader {
     read_includes();
     if (const auto background = root_.find("background")) scene_.background = background->color();
     if (const auto meshes = root_.find("meshes"))
-      for (const JsonNode& mesh : meshes->items()) scene_.meshes.push_back(read_mesh(mesh));
+      for (const JsonNode& mesh : meshes->items()) read_mesh(mesh);
     if (!scene_.shutter && has_keys_) scene_.shutter = {0, 1};
     return std::move(scene_);
   }
@@ -115,7 +115,8 @@ class NativeReader {
     return scene;
   }
 
-  SceneMesh read_mesh(const JsonNode& node) {
+  /// One mesh, or one for each material that its file has, unless the node gives one.
+  void read_mesh(const JsonNode& node) {
     node.expect_fields({"name", "keys", "times", "material", "transform"});
     const std::vector<JsonNode> keys = node.at("keys").items();
     if (keys.empty()) node.at("keys").fail("a mesh needs at least one key");
@@ -136,28 +137,35 @@ class NativeReader {
     if (const auto given = node.find("transform")) transform = read_transform(*given);
     has_keys_ = has_keys_ || keys.size() > 1 || transform.matrices.size() > 1;
 
-    SceneMesh mesh;
     const auto name = node.find("name");
-    mesh.name = name ? name->string() : std::filesystem::path(paths.front()).stem().string();
-    if (const auto material = node.find("material")) {
+    const std::string mesh_name = name ? name->string() : std::filesystem::path(paths.front()).stem().string();
+    uint32_t material_of_all = 0;
+    const auto material = node.find("material");
+    if (material) {
       const auto found = material_index_.find(material->string());
       if (found == material_index_.end())
         material->fail("no material '" + printable(material->string()) + "' in this file's 'materials'");
-      mesh.material = found->second;
+      material_of_all = found->second;
     }
-    fill(mesh, load_mesh_data(paths, context_), std::move(times), std::move(transform));
-    return mesh;
+    MeshFile file = load_mesh_file(paths, !material, context_);
+    for (std::string& warning : file.warnings) scene_.warnings.push_back(std::move(warning));
+    const auto first = static_cast<uint32_t>(scene_.materials.size());
+    for (MaterialPart& part : file.parts) {
+      SceneMesh mesh;
+      mesh.name = file.parts.size() == 1 ? mesh_name : mesh_name + "." + file.materials[part.material].name;
+      mesh.material = file.materials.empty() ? material_of_all : first + part.material;
+      fill(mesh, part.data, times, transform);
+      scene_.meshes.push_back(std::move(mesh));
+    }
+    for (Material& one : file.materials) scene_.materials.push_back(std::move(one));
   }
 
-  void fill(SceneMesh& mesh, MeshData data, std::vector<double> times, TransformKeys transform) {
-    for (std::string& warning : data.warnings) scene_.warnings.push_back(std::move(warning));
+  static void fill(SceneMesh& mesh, MeshData& data, std::vector<double> times, TransformKeys transform) {
     const auto motion = std::make_shared<KeyframeMotion>(
         VertexKeys{std::move(times), std::move(data.positions), std::move(data.normals)}, std::move(transform));
-    mesh.triangles = std::move(data.triangles);
+    take_surface(mesh, data);
     if (motion->mirrors())
       for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
-    mesh.uvs = uvs_from_above(std::move(data.uvs));
-    mesh.prim_ids = std::move(data.prim_ids);
     mesh.motion = motion;
   }
 

@@ -1,68 +1,18 @@
 #include "scene_io/obj/obj.h"
 
+#include <map>
+
 #include <fmt/format.h>
 
 #include <kairos/error.h>
 
+#include "scene_io/file_warnings.h"
+#include "scene_io/obj/lines.h"
 #include "scene_io/text_numbers.h"
 
 namespace kairos {
 
 namespace {
-
-bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
-
-/// Lines without their ends (LF, CR LF or CR), joined where the last character is a backslash.
-class Lines {
- public:
-  explicit Lines(std::string_view text) : rest_(text) {}
-
-  bool next(std::string_view& line) {
-    number_ = next_number_;
-    if (rest_.empty()) return false;
-    line = take();
-    if (!continues(line)) return true;
-    joined_.clear();
-    for (;;) {
-      const bool more = continues(line);
-      joined_ += more ? line.substr(0, line.size() - 1) : line;
-      if (!more || rest_.empty()) break;
-      joined_ += ' ';
-      line = take();
-    }
-    line = joined_;
-    return true;
-  }
-
-  size_t number() const { return number_; }  ///< of the line last read, from 1
-
- private:
-  static bool continues(std::string_view line) { return !line.empty() && line.back() == '\\'; }
-
-  std::string_view take() {
-    const size_t end = rest_.find_first_of("\r\n");
-    const std::string_view line = rest_.substr(0, end);
-    const size_t ends = end == rest_.npos ? 0 : rest_.substr(end, 2) == "\r\n" ? 2 : 1;
-    rest_.remove_prefix(line.size() + ends);
-    ++next_number_;
-    return line;
-  }
-
-  std::string_view rest_;
-  std::string joined_;
-  size_t number_ = 1, next_number_ = 1;
-};
-
-/// The next run of characters that are no spaces; empty at the end of the line.
-std::string_view take_token(std::string_view& line) {
-  size_t begin = 0;
-  while (begin < line.size() && is_space(line[begin])) ++begin;
-  size_t end = begin;
-  while (end < line.size() && !is_space(line[end])) ++end;
-  const std::string_view token = line.substr(begin, end - begin);
-  line.remove_prefix(end);
-  return token;
-}
 
 class ObjParser {
  public:
@@ -71,7 +21,8 @@ class ObjParser {
   PolygonMesh parse() {
     std::string_view line;
     while (lines_.next(line)) {
-      if (const size_t comment = line.find('#'); comment != line.npos) line = line.substr(0, comment);
+      const std::string_view whole = line;
+      line = without_comment(line);
       const std::string_view keyword = take_token(line);
       if (keyword == "v") {
         mesh_.positions.push_back(read_vec3(line));
@@ -82,6 +33,15 @@ class ObjParser {
         mesh_.uvs.push_back({u, is_blank(line) ? 0 : read_float(line)});
       } else if (keyword == "f") {
         read_face(line);
+      } else if (keyword == "usemtl") {
+        use_material(name_in(whole));
+      } else if (keyword == "mtllib") {
+        mesh_.libraries.push_back(name_in(whole));
+      } else if (keyword == "s") {
+        const std::string_view group = take_token(line);
+        if (group != "off" && group != "0" && first_smooth_ == 0) first_smooth_ = lines_.number();
+      } else if (!keyword.empty() && keyword != "o" && keyword != "g") {
+        warnings_.add({mesh_.path, lines_.number()}, "statements '" + printable(keyword) + "' are left out");
       }
     }
     finish();
@@ -91,6 +51,12 @@ class ObjParser {
  private:
   [[noreturn]] void fail(const std::string& what) const {
     throw Error(ErrorCode::bad_input, fmt::format("{}:{}", mesh_.path, lines_.number()), what);
+  }
+
+  /// What follows the statement's word: names may hold spaces and a '#'.
+  static std::string name_in(std::string_view line) {
+    take_token(line);
+    return std::string(trimmed(line));
   }
 
   static bool is_blank(std::string_view line) { return take_token(line).empty(); }
@@ -130,7 +96,17 @@ class ObjParser {
       append(mesh_.corner_normals, part[2], mesh_.normals.size());
       mesh_.corners.push_back(read_index(part[0], mesh_.positions.size()));
     }
-    mesh_.end_face(size);
+    if (mesh_.material_names.empty()) use_material("");
+    mesh_.end_face(size, material_);
+  }
+
+  void use_material(const std::string& name) {
+    constexpr uint32_t kMostMaterials = 1 << 16;  // each becomes a mesh
+    const auto next = static_cast<uint32_t>(mesh_.material_names.size());
+    if (next == kMostMaterials) fail(fmt::format("more than {} materials", kMostMaterials));
+    const auto [found, is_new] = material_indices_.try_emplace(name, next);
+    if (is_new) mesh_.material_names.push_back(name);
+    material_ = found->second;
   }
 
   /// Appends an optional index; the list stays empty until some corner has one.
@@ -149,6 +125,9 @@ class ObjParser {
     if (mesh_.positions.empty()) throw Error(ErrorCode::bad_input, mesh_.path, "has no vertices; is it an OBJ file?");
     if (mesh_.positions.size() > kMaxIndices)
       throw Error(ErrorCode::bad_input, mesh_.path, "has more than 2^32 vertices");
+    if (first_smooth_ != 0 && mesh_.normals.empty() && !mesh_.corners.empty())
+      warnings_.add({mesh_.path, first_smooth_}, "smoothing groups are left out: faces without normals are flat");
+    mesh_.warnings = warnings_.lines();
     if (mesh_.corner_uvs.empty()) mesh_.uvs.clear();
     if (mesh_.corner_normals.empty()) mesh_.normals.clear();
     mark_bad(mesh_.corners, mesh_.positions.size());
@@ -158,14 +137,14 @@ class ObjParser {
 
   Lines lines_;
   PolygonMesh mesh_;
+  FileWarnings warnings_{false};
+  std::map<std::string, uint32_t> material_indices_;
+  uint32_t material_ = 0;
+  size_t first_smooth_ = 0;  ///< the line that first asks for smooth faces; 0: none does
 };
 
 }  // namespace
 
-PolygonMesh parse_obj(std::string_view text, const std::string& path) {
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // would hide the first statement
-  if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark) text.remove_prefix(kByteOrderMark.size());
-  return ObjParser(text, path).parse();
-}
+PolygonMesh parse_obj(std::string_view text, const std::string& path) { return ObjParser(text, path).parse(); }
 
 }  // namespace kairos

@@ -1,41 +1,13 @@
-// What a pbrt scene says that Kairos leaves out, each thing said once.
+// What a pbrt scene says that Kairos leaves out.
 #pragma once
 
-#include <cstdint>
-#include <map>
-#include <string>
-#include <vector>
+#include "scene_io/file_warnings.h"
 
 namespace kairos::pbrt {
 
-/// Where in which file.
-struct Place {
-  std::string file;
-  size_t line = 0;
-  std::string text() const;
-};
+using Place = FilePlace;
+using Warnings = FileWarnings;
 
-/// Throws Error(bad_input) at `place`.
-[[noreturn]] void fail(const Place& place, const std::string& what);
-
-class Warnings {
- public:
-  explicit Warnings(bool strict) : strict_(strict) {}
-
-  /// Lists `what` at its first place, with the number of times it came. With `strict`, throws Error(bad_input) instead.
-  void add(const Place& place, const std::string& what);
-  /// A line that says itself where, from a reader that has dealt with `strict`.
-  void add_line(const std::string& line);
-  std::vector<std::string> lines() const;
-
- private:
-  struct Entry {
-    std::string place;
-    uint64_t count = 0;
-  };
-  bool strict_;
-  std::map<std::string, Entry> entries_;
-  std::vector<std::string> order_;
-};
+[[noreturn]] inline void fail(const Place& place, const std::string& what) { fail_at(place, what); }
 
 }  // namespace kairos::pbrt
