@@ -29,6 +29,8 @@ class KAIROS_API TimeWeight {
   /// The integrals over [begin, end] of the weight times (1 - s) and times s, where s goes from 0 to 1 on a straight
   /// line: what the values at both ends of anything linear count.
   std::array<double, 2> moments(double begin, double end) const;
+  /// All of it: straight lines between these, of which two of one time make a step; zero outside of them.
+  std::vector<Point> points() const;
 
  private:
   std::vector<Point> points_;  // none: a box

@@ -26,6 +26,11 @@ TimeWeight::TimeWeight(std::vector<Point> points) : points_(std::move(points)) {
   }
 }
 
+std::vector<TimeWeight::Point> TimeWeight::points() const {
+  if (is_box()) return {{0, 1}, {1, 1}};
+  return points_;
+}
+
 double TimeWeight::at(double time) const {
   if (is_box()) return time >= 0 && time <= 1 ? 1 : 0;
   if (time < points_.front().time || time > points_.back().time) return 0;
