@@ -13,9 +13,12 @@ uint64_t triangle_count(const std::vector<Mesh>& meshes) {
 
 uint64_t mesh_bytes(const Mesh& mesh) {
   uint64_t bytes = mesh.triangles.size() * sizeof(Triangle) + mesh.key_times.size() * sizeof(float) +
-                   mesh.uvs.size() * sizeof(Vec2f) + mesh.prim_ids.size() * sizeof(uint32_t);
+                   mesh.uvs.size() * sizeof(Vec2f) + mesh.colors.size() * sizeof(Vec4f) +
+                   mesh.prim_ids.size() * sizeof(uint32_t);
   for (const auto& key : mesh.positions) bytes += key.size() * sizeof(Vec3f);
   for (const auto& key : mesh.normals) bytes += key.size() * sizeof(Vec3f);
+  for (const auto& key : mesh.tangents) bytes += key.size() * sizeof(Vec4f);
+  for (const auto& set : mesh.more_uvs) bytes += set.size() * sizeof(Vec2f);
   return bytes;
 }
 

@@ -24,6 +24,8 @@ struct MeshDescription {
   std::vector<std::vector<Vec3f>> positions;  ///< [key][vertex], finite, in metres
   std::vector<std::vector<Vec3f>> normals;    ///< empty, or [key][vertex]: of any length but zero
   std::vector<Vec2f> uvs;                     ///< empty, or [vertex]; (0, 0) is a picture's upper left corner
+  std::vector<std::vector<Vec2f>> more_uvs;   ///< sets 1, 2, ... of the same kind, each empty or [vertex]
+  std::vector<Vec4f> colors;                  ///< empty, or [vertex]: linear red, green, blue and alpha, finite, from 0
   uint32_t material = 0;                      ///< index into SceneDescription::materials
 };
 

@@ -21,6 +21,23 @@ enum class TextureWrap {
   mirror,  ///< itself, every other time mirrored
 };
 
+/// A picture, and where it lies on a surface.
+struct TextureRef {
+  std::string picture;  ///< a path, or the name of one of Scene's embedded ones; empty for none
+  uint32_t uv_set = 0;  ///< which of a mesh's sets of texture coordinates: 0 is Mesh::uvs
+  std::array<Vec3f, 2> placement{Vec3f{1, 0, 0}, Vec3f{0, 1, 0}};  ///< rows: (u, v, 1) to the picture's u and v
+  std::array<TextureWrap, 2> wrap{};                               ///< along u and v
+
+  friend bool operator==(const TextureRef&, const TextureRef&) = default;
+
+  bool empty() const { return picture.empty(); }
+  /// A mesh's texture coordinate as the picture's.
+  Vec2f place(Vec2f uv) const {
+    const auto& [u, v] = placement;
+    return {u.x * uv.x + u.y * uv.y + u.z, v.x * uv.x + v.y * uv.y + v.z};
+  }
+};
+
 struct Material {
   enum class AlphaMode { opaque, mask, blend };
 
@@ -29,6 +46,10 @@ struct Material {
   Vec3f emission{0, 0, 0};             ///< linear, scene-referred
   float metallic = 0;
   float roughness = 1;
+  float specular = 1;             ///< how much of what a boundary other than metal reflects is there
+  Vec3f specular_color{1, 1, 1};  ///< of that, seen straight on; it is white where seen along the surface
+  float clearcoat = 0;            ///< share of the surface that has a clear coat of refractive index 1.5
+  float clearcoat_roughness = 0;
   float transmission = 0;
   float ior = 1.5f;
   bool thin_walled = false;  ///< what lets light through is a skin: it does not refract
@@ -38,12 +59,16 @@ struct Material {
   /// Otherwise sight and light meet only the front. A surface with transmission is the border of what it encloses, and
   /// is there from both sides all the same.
   bool double_sided = true;
-  // Pictures that multiply the values above: paths, or names of Scene's embedded pictures; empty for none.
-  std::string base_color_texture;  ///< its alpha multiplies `alpha`
-  std::string emission_texture;
-  std::string metallic_roughness_texture;     ///< roughness in green, metallic in blue, not sRGB
-  std::string alpha_texture;                  ///< its red multiplies `alpha`, in place of the base colour's
-  std::array<TextureWrap, 2> texture_wrap{};  ///< of all of these, along u and v
+  bool unlit = false;  ///< its base colour is what is seen of it, in any light; it shines on nothing
+  // Pictures that multiply the values above. Base colour and alpha are multiplied by Mesh::colors, too.
+  TextureRef base_color_texture;  ///< its alpha multiplies `alpha`
+  TextureRef emission_texture;
+  TextureRef metallic_roughness_texture;  ///< roughness in green, metallic in blue, not sRGB
+  TextureRef alpha_texture;               ///< its red multiplies `alpha`, in place of the base colour's
+  /// Which way the surface faces: 2 rgb - 1 along u, up the picture and outwards, as glTF has it. Not sRGB. Only lit
+  /// shading asks.
+  TextureRef normal_texture;
+  float normal_scale = 1;  ///< of its first two numbers
 };
 
 struct PointLight {
@@ -164,7 +189,7 @@ class Texture;
 /// The pictures of one material; null where it has none, or none that can be read. Shared, immutable.
 struct MaterialTextures {
   std::shared_ptr<const Texture> base_color, emission, metallic_roughness;
-  std::shared_ptr<const Texture> alpha{};
+  std::shared_ptr<const Texture> alpha{}, normal{};
 };
 
 /// One opening of the shutter: every motion as linear motion between keys, in one space. What accelerators are built

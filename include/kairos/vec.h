@@ -29,10 +29,17 @@ struct Vec3 {
   constexpr Vec3& operator+=(Vec3 b) { return *this = *this + b; }
 };
 
+template <class T>
+struct Vec4 {
+  T x{}, y{}, z{}, w{};
+  friend constexpr bool operator==(const Vec4&, const Vec4&) = default;
+};
+
 using Vec2f = Vec2<float>;
 using Vec2d = Vec2<double>;
 using Vec3f = Vec3<float>;
 using Vec3d = Vec3<double>;
+using Vec4f = Vec4<float>;
 
 template <class T>
 constexpr T dot(Vec3<T> a, Vec3<T> b) {

@@ -70,6 +70,9 @@ DroppedTriangles clean_triangles(Mesh& mesh) {
   for (auto& key : mesh.normals)
     for (Vec3f& n : key)
       if (!is_finite(n)) n = {};
+  for (auto& key : mesh.tangents)
+    for (Vec4f& tangent : key)
+      if (!is_finite(Vec3f{tangent.x, tangent.y, tangent.z})) tangent = {0, 0, 0, 1};
 
   DroppedTriangles dropped;
   for (Verdict v : verdicts) {

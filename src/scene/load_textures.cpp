@@ -47,8 +47,8 @@ Slot read(const Scene& scene, const Key& key) {
 std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_only, bool strict,
                                             std::vector<std::string>& notes) {
   std::map<Key, Slot> slots;
-  const auto ask = [&](const std::string& name, Texture::Encoding encoding) {
-    if (!name.empty()) slots.try_emplace({name, encoding});
+  const auto ask = [&](const TextureRef& texture, Texture::Encoding encoding) {
+    if (!texture.empty()) slots.try_emplace({texture.picture, encoding});
   };
   for (const Material& material : scene.materials) {
     if (!cut_outs_only || material.alpha_mode != Material::AlphaMode::opaque) {
@@ -58,6 +58,7 @@ std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_on
     if (cut_outs_only) continue;
     ask(material.emission_texture, Texture::Encoding::srgb);
     ask(material.metallic_roughness_texture, Texture::Encoding::linear);
+    ask(material.normal_texture, Texture::Encoding::linear);
   }
   if (slots.empty()) return {};
 
@@ -73,15 +74,16 @@ std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_on
   }
 
   std::vector<MaterialTextures> result;
-  const auto find = [&](const std::string& name, Texture::Encoding encoding) {
-    const auto slot = slots.find({name, encoding});
+  const auto find = [&](const TextureRef& texture, Texture::Encoding encoding) {
+    const auto slot = slots.find({texture.picture, encoding});
     return slot == slots.end() ? nullptr : slot->second.texture;
   };
   for (const Material& material : scene.materials)
     result.push_back({find(material.base_color_texture, Texture::Encoding::srgb),
                       find(material.emission_texture, Texture::Encoding::srgb),
                       find(material.metallic_roughness_texture, Texture::Encoding::linear),
-                      find(material.alpha_texture, Texture::Encoding::linear)});
+                      find(material.alpha_texture, Texture::Encoding::linear),
+                      find(material.normal_texture, Texture::Encoding::linear)});
   return result;
 }
 

@@ -84,13 +84,20 @@ Projection projection_of(const Scene& scene, const ShotOptions& options, const S
   return projection;
 }
 
-std::vector<std::vector<Vec3f>> normals_at(const VertexMotion& motion, const MotionKeys& keys,
-                                           const ShutterWindow& window) {
-  std::vector<std::vector<Vec3f>> normals;
-  if (!motion.has_normals()) return normals;
+bool is_same(Vec3f a, Vec3f b) {
+  const Vec3f change = a - b;
+  return !(std::abs(change.x) > kSameNormal || std::abs(change.y) > kSameNormal || std::abs(change.z) > kSameNormal);
+}
+bool is_same(const Vec4f& a, const Vec4f& b) { return is_same(Vec3f{a.x, a.y, a.z}, Vec3f{b.x, b.y, b.z}); }
+
+/// Normals, or tangents, at the motion keys, or at one instant for all of them: read(scene_time, side, out) gives them.
+template <class T, class Read>
+std::vector<std::vector<T>> at_keys(const VertexMotion& motion, const MotionKeys& keys, const ShutterWindow& window,
+                                    const Read& read) {
+  std::vector<std::vector<T>> values;
   const auto add = [&](double scene_time, Side side) {
-    normals.emplace_back(motion.vertex_count());
-    motion.normals(scene_time, side, normals.back());
+    values.emplace_back(motion.vertex_count());
+    read(scene_time, side, values.back());
   };
   const size_t key_count = keys.positions.size();
   // What keeps still in the camera's eye may turn in the world all the same; one set of normals has to do, the
@@ -99,19 +106,26 @@ std::vector<std::vector<Vec3f>> normals_at(const VertexMotion& motion, const Mot
     add(window.scene_time(0.5), Side::after);
   else if (window.holds_still(motion))
     add(window.open, Side::after);
-  if (!normals.empty()) return normals;
+  if (!values.empty()) return values;
 
   bool same = true;
   for (size_t k = 0; k < key_count; ++k) {
     add(keys.scene_times[k], keys.sides[k]);
-    for (size_t v = 0; same && v < normals[k].size(); ++v) {
-      const Vec3f change = normals[k][v] - normals[0][v];
-      same =
-          !(std::abs(change.x) > kSameNormal || std::abs(change.y) > kSameNormal || std::abs(change.z) > kSameNormal);
-    }
+    for (size_t v = 0; same && v < values[k].size(); ++v) same = is_same(values[k][v], values[0][v]);
   }
-  if (same) normals.resize(1);
-  return normals;
+  if (same) values.resize(1);
+  return values;
+}
+
+void add_directions(const VertexMotion& motion, const MotionKeys& keys, const ShutterWindow& window, Mesh& mesh) {
+  if (motion.has_normals())
+    mesh.normals = at_keys<Vec3f>(motion, keys, window, [&](double time, Side side, std::vector<Vec3f>& out) {
+      motion.normals(time, side, out);
+    });
+  if (motion.has_tangents())
+    mesh.tangents = at_keys<Vec4f>(motion, keys, window, [&](double time, Side side, std::vector<Vec4f>& out) {
+      motion.tangents(time, side, out);
+    });
 }
 
 /// See Material::double_sided.
@@ -123,10 +137,12 @@ Mesh make_mesh(const SceneMesh& source, const View& view, const ShotOptions& opt
   Mesh mesh;
   mesh.name = source.name;
   mesh.triangles = source.triangles;
-  mesh.normals = normals_at(*source.motion, keys, view.window());
+  add_directions(*source.motion, keys, view.window(), mesh);
   mesh.positions = std::move(keys.positions);
   if (mesh.key_count() > 1) mesh.key_times = std::move(keys.times);
   mesh.uvs = source.uvs;
+  mesh.more_uvs = source.more_uvs;
+  mesh.colors = source.colors;
   mesh.prim_ids = source.prim_ids;
   mesh.material = source.material;
   report.excess = keys.excess;

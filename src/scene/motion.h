@@ -38,6 +38,10 @@ class VertexMotion {
 
   /// Unit world-space normals; only when has_normals().
   virtual void normals(double time, Side side, std::span<Vec3f> out) const = 0;
+
+  /// World-space tangents as Mesh::tangents has them; zero vectors where the surface has none.
+  virtual bool has_tangents() const { return false; }
+  virtual void tangents(double /*time*/, Side /*side*/, std::span<Vec4f> /*out*/) const {}
 };
 
 /// A rigid (or at least affine) placement as a function of time.

@@ -25,9 +25,14 @@ bool all_finite(std::initializer_list<float> numbers) {
   return true;
 }
 
+bool is_finite(const TextureRef& texture) { return is_finite(texture.placement[0]) && is_finite(texture.placement[1]); }
+
 bool is_finite(const Material& m) {
-  return is_finite(m.base_color) && is_finite(m.emission) &&
-         all_finite({m.metallic, m.roughness, m.transmission, m.ior, m.alpha, m.alpha_cutoff});
+  return is_finite(m.base_color) && is_finite(m.emission) && is_finite(m.specular_color) &&
+         is_finite(m.base_color_texture) && is_finite(m.emission_texture) && is_finite(m.metallic_roughness_texture) &&
+         is_finite(m.alpha_texture) && is_finite(m.normal_texture) &&
+         all_finite({m.metallic, m.roughness, m.specular, m.clearcoat, m.clearcoat_roughness, m.transmission, m.ior,
+                     m.alpha, m.alpha_cutoff, m.normal_scale});
 }
 
 bool is_finite(const PointLight& light) { return is_finite(light.position) && is_finite(light.intensity); }
@@ -63,7 +68,18 @@ void validate_mesh(const Mesh& mesh) {
     for (const auto& key : mesh.normals)
       if (key.size() != vertices) broken(mesh, "needs one normal per vertex");
   }
-  if (!mesh.uvs.empty() && mesh.uvs.size() != vertices) broken(mesh, "needs one texture coordinate per vertex");
+  if (!mesh.tangents.empty()) {
+    if (mesh.tangents.size() != 1 && mesh.tangents.size() != keys)
+      broken(mesh, "tangents need one key, or as many as positions");
+    for (const auto& key : mesh.tangents)
+      if (key.size() != vertices) broken(mesh, "needs one tangent per vertex");
+  }
+  for (uint32_t set = 0; set <= mesh.more_uvs.size(); ++set)
+    if (!mesh.uv_set(set).empty() && mesh.uv_set(set).size() != vertices)
+      broken(mesh, "needs one texture coordinate per vertex");
+  if (!mesh.colors.empty() && mesh.colors.size() != vertices) broken(mesh, "needs one colour per vertex");
+  for (const Vec4f& c : mesh.colors)
+    if (!all_finite({c.x, c.y, c.z, c.w})) broken(mesh, "a vertex's colour is not finite");
   if (!mesh.prim_ids.empty() && mesh.prim_ids.size() != mesh.triangles.size())
     broken(mesh, "needs one number per triangle");
   for (const Triangle& t : mesh.triangles)

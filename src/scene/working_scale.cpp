@@ -81,7 +81,10 @@ std::vector<Mesh> scaled_copies(std::span<const Mesh> meshes, int exponent) {
   for (const Mesh& mesh : meshes) {
     Mesh& copy = copies.emplace_back(mesh);
     copy.normals = {};
+    copy.tangents = {};
     copy.uvs = {};
+    copy.more_uvs = {};
+    copy.colors = {};
     copy.prim_ids = {};
     for (std::vector<Vec3f>& key : copy.positions)
       parallel_for(key.size(), kGrain, [&](size_t first, size_t last) {

@@ -51,8 +51,18 @@ void check_vertices(const MeshDescription& mesh, const std::string& place) {
     refuse(place, fmt::format("has normals at {} of its {} keys; give them at all or none", mesh.normals.size(),
                               mesh.positions.size()));
   for (size_t k = 0; k < mesh.normals.size(); ++k) check_key("normals", k, mesh.normals[k]);
-  if (!mesh.uvs.empty() && mesh.uvs.size() != vertices)
-    refuse(place, fmt::format("has {} texture coordinates for {} vertices", mesh.uvs.size(), vertices));
+  const auto check_uvs = [&](const std::vector<Vec2f>& uvs) {
+    if (!uvs.empty() && uvs.size() != vertices)
+      refuse(place, fmt::format("has {} texture coordinates for {} vertices", uvs.size(), vertices));
+  };
+  check_uvs(mesh.uvs);
+  for (const std::vector<Vec2f>& set : mesh.more_uvs) check_uvs(set);
+  if (!mesh.colors.empty() && mesh.colors.size() != vertices)
+    refuse(place, fmt::format("has {} colours for {} vertices", mesh.colors.size(), vertices));
+  for (size_t v = 0; v < mesh.colors.size(); ++v)
+    for (const float part : {mesh.colors[v].x, mesh.colors[v].y, mesh.colors[v].z, mesh.colors[v].w})
+      if (!(part >= 0) || !std::isfinite(part))
+        refuse(place, fmt::format("the colour of vertex {} has a part that is negative or not finite", v));
   for (size_t i = 0; i < mesh.triangles.size(); ++i)
     for (const uint32_t v : mesh.triangles[i])
       if (v >= vertices) refuse(place, fmt::format("triangle {} has vertex {} of {}", i, v, vertices));
@@ -119,10 +129,19 @@ void check_material(const Material& m, const std::string& place) {
   constexpr float kHighestIor = 100;
   check("metallic", m.metallic, 0, 1);
   check("roughness", m.roughness, 0, 1);
+  check_colour(m.specular_color, "specular colour", place);
+  check("specular", m.specular, 0, 1);
+  check("clearcoat", m.clearcoat, 0, 1);
+  check("clearcoat roughness", m.clearcoat_roughness, 0, 1);
   check("transmission", m.transmission, 0, 1);
   check("ior", m.ior, 1, kHighestIor);
   check("alpha", m.alpha, 0, 1);
   check("alpha cut-off", m.alpha_cutoff, 0, 1);
+  if (!std::isfinite(m.normal_scale)) refuse(place, "the scale of its normal picture is not finite");
+  for (const TextureRef* texture :
+       {&m.base_color_texture, &m.emission_texture, &m.metallic_roughness_texture, &m.alpha_texture, &m.normal_texture})
+    if (!is_finite(texture->placement[0]) || !is_finite(texture->placement[1]))
+      refuse(place, "the placement of one of its pictures is not finite");
 }
 
 /// Checks a light, and gives its directions unit length.
@@ -245,6 +264,8 @@ class SceneMaker {
       if (motion->mirrors())
         for (Triangle& t : placed.triangles) std::swap(t[1], t[2]);
       placed.uvs = mesh.uvs;
+      placed.more_uvs = mesh.more_uvs;
+      placed.colors = mesh.colors;
       placed.material = instance.material.value_or(mesh.material);
       check_material_index(placed.material, place);
       placed.motion = motion;

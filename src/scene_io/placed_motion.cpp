@@ -38,4 +38,15 @@ void PlacedMotion::normals(double time, Side side, std::span<Vec3f> out) const {
   for (Vec3f& n : out) n = to_float(normalize(transform_vector(matrix, to_double(n)) * sign));
 }
 
+void PlacedMotion::tangents(double time, Side side, std::span<Vec4f> out) const {
+  inner_->tangents(time, side, out);
+  const Mat4 matrix = transform_.at(time);
+  const float sign = transform_.mirrors() ? -1 : 1;  // what lies across is seen mirrored, and the normal is turned
+  for (Vec4f& tangent : out) {
+    const Vec3d along{tangent.x, tangent.y, tangent.z};
+    const Vec3f placed = to_float(normalize(transform_vector(matrix, along)));
+    tangent = {placed.x, placed.y, placed.z, tangent.w * sign};
+  }
+}
+
 }  // namespace kairos

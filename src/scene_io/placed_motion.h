@@ -20,6 +20,8 @@ class PlacedMotion final : public VertexMotion {
   std::vector<double> kinks(double open, double close) const override;
   void positions(double time, Side side, std::span<Vec3d> out) const override;
   void normals(double time, Side side, std::span<Vec3f> out) const override;
+  bool has_tangents() const override { return inner_->has_tangents(); }
+  void tangents(double time, Side side, std::span<Vec4f> out) const override;
 
  private:
   std::shared_ptr<const VertexMotion> inner_;

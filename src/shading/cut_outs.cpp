@@ -12,6 +12,10 @@ namespace kairos {
 namespace {
 constexpr float kTimeTolerance = 1e-4f;  // shutter time
 constexpr int kMostProbes = 256;
+constexpr float kLeastProbes = 2;
+// Alpha of vertices goes over a triangle without a bend; what a ray passes of it while the triangle moves crosses the
+// cut-off a few times at most.
+constexpr float kVertexProbes = 16;
 
 uint64_t bits_of(float a, float b) {
   return static_cast<uint64_t>(std::bit_cast<uint32_t>(a)) << 32 | std::bit_cast<uint32_t>(b);
@@ -27,14 +31,14 @@ AlphaCutOuts::AlphaCutOuts(const Shot& shot, const Looks& looks) : shot_(shot), 
 
 AlphaCutOuts::Kind AlphaCutOuts::kind_of(uint32_t mesh) const {
   const Material& material = looks_.material(mesh);
-  const bool has_texture = looks_.has_alpha_texture(mesh);
+  const bool varies = looks_.alpha_varies(mesh);
   switch (material.alpha_mode) {
     case Material::AlphaMode::opaque:
       break;
     case Material::AlphaMode::mask:
-      return has_texture || material.alpha < material.alpha_cutoff ? Kind::cut_out : Kind::whole;
+      return varies || material.alpha < material.alpha_cutoff ? Kind::cut_out : Kind::whole;
     case Material::AlphaMode::blend:  // many exporters say so of all materials
-      return has_texture || material.alpha < 1 ? Kind::blended : Kind::whole;
+      return varies || material.alpha < 1 ? Kind::blended : Kind::whole;
   }
   return Kind::whole;
 }
@@ -65,7 +69,8 @@ void AlphaCutOuts::solid_times(const Ray& ray, const Segment& hit, std::vector<f
   const float cutoff = looks_.material(hit.mesh).alpha_cutoff;
   const AlphaPoint first = at(ray, hit.mesh, hit.triangle, hit.begin), last = at(ray, hit.mesh, hit.triangle, hit.end);
   const float texels = std::hypot(last.place.x - first.place.x, last.place.y - first.place.y);
-  const float wanted = 2 * texels + 2;  // which may be no number
+  const float wanted =  // which may be no number
+      2 * texels + (looks_.has_vertex_alpha(hit.mesh) ? kVertexProbes : kLeastProbes);
   const int probes = wanted < static_cast<float>(kMostProbes) ? static_cast<int>(wanted) : kMostProbes;
 
   bool was_solid = first.alpha >= cutoff;

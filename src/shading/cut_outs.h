@@ -25,7 +25,8 @@ class AlphaCutOuts : public CutOuts {
   float opacity(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;
   /// Of a blended surface: the chance is a hash of ray, time, mesh and triangle. Every sample's ray is another one.
   bool solid(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const override;
-  /// Looks along the path of the hit point over the picture, twice per texel, and finds each crossing of the cut-off
+  /// Looks along the path of the hit point over the picture, twice per texel, or 16 times where vertices have an alpha
+  /// of their own, and finds each crossing of the cut-off
   /// by bisection to 1e-4 of the shutter.
   void solid_times(const Ray& ray, const Segment& hit, std::vector<float>& times) const override;
 

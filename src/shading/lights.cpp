@@ -89,7 +89,7 @@ void Lights::add_areas() {
   double sum = 0;
   for (uint32_t m = 0; m < shot_.meshes.size(); ++m) {
     const Mesh& mesh = shot_.meshes[m];
-    if (looks_.has_emission_texture(m)) continue;
+    if (looks_.has_emission_texture(m) || looks_.material(m).unlit) continue;
     const double radiance = brightness(looks_.material(m).emission);
     if (!(radiance > 0) || !std::isfinite(radiance)) continue;
     for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {

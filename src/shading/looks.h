@@ -1,4 +1,4 @@
-// What materials and their pictures say about a point of a surface.
+// What materials, their pictures and the colours of vertices say about a point of a surface.
 #pragma once
 
 #include <array>
@@ -25,11 +25,14 @@ class Looks {
   explicit Looks(const Shot& shot);
 
   const Material& material(uint32_t mesh) const { return *entries_[mesh].material; }
-  /// False when the mesh looks the same all over.
-  bool is_textured(uint32_t mesh) const { return entries_[mesh].is_textured; }
+  /// False when the mesh looks the same all over, but for which way it faces.
+  bool varies(uint32_t mesh) const { return entries_[mesh].varies; }
 
-  bool has_alpha_texture(uint32_t mesh) const;
-  bool has_emission_texture(uint32_t mesh) const { return is_textured(mesh) && entries_[mesh].textures->emission; }
+  bool alpha_varies(uint32_t mesh) const { return alpha_picture(mesh) || has_vertex_alpha(mesh); }
+  /// Do the colours of vertices make part of the mesh transparent?
+  bool has_vertex_alpha(uint32_t mesh) const { return entries_[mesh].has_vertex_alpha; }
+  bool has_emission_texture(uint32_t mesh) const { return entries_[mesh].emission.texture; }
+  bool has_normal_texture(uint32_t mesh) const { return entries_[mesh].normal.texture; }
 
   /// vertices: the triangle's at that instant; weights: barycentric, of the point. width: of the piece of surface that
   /// the look stands for, in scene units. It decides how fine a copy of each picture is looked at. A pixel that sees a
@@ -42,12 +45,30 @@ class Looks {
   AlphaPoint alpha_at(uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& vertices,
                       const std::array<float, 3>& weights, double width) const;
 
+  /// Of a mesh with a normal picture: what it says, from -1 to 1 before Material::normal_scale, of any length but for
+  /// rounding.
+  Vec3f normal_at(uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& vertices,
+                  const std::array<float, 3>& weights, double width) const;
+  /// Where the corners of a triangle lie on the mesh's normal picture.
+  std::array<Vec2f, 3> normal_uvs(uint32_t mesh, uint32_t triangle) const;
+
  private:
+  /// A picture of a mesh's material, and the coordinates that it takes.
+  struct Slot {
+    const Texture* texture = nullptr;  // nullptr for none
+    const TextureRef* ref = nullptr;
+    const std::vector<Vec2f>* uvs = nullptr;
+  };
   struct Entry {
     const Material* material;
-    const MaterialTextures* textures;  // nullptr for none
-    bool is_textured;
+    Slot base_color, emission, metallic_roughness, alpha, normal;
+    bool varies = false, has_vertex_alpha = false;
   };
+  class Point;
+
+  /// The slot that alpha comes from: an alpha picture's red, or the base colour's alpha; nullptr for none.
+  const Slot* alpha_picture(uint32_t mesh) const;
+  Vec4f vertex_colour(uint32_t mesh, uint32_t triangle, const std::array<float, 3>& weights) const;
 
   const Shot& shot_;
   Material fallback_;           // for a shot made by hand, without materials

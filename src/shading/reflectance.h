@@ -34,6 +34,18 @@ struct Reflectance {
 /// Rougher than this, nothing is a mirror any more.
 inline constexpr float kRoughestMirror = 0.2f;
 
+/// A layer of lacquer on what is there. A rough one has its highlight in the shape of what is below.
+inline void add_clearcoat(const Material& material, double cosine, Reflectance& r) {
+  constexpr double kIor = 1.5;
+  const float share = material.clearcoat * static_cast<float>(fresnel(cosine, kIor)), below = 1 - share;
+  const float smooth = std::max(0.0f, 1 - material.clearcoat_roughness / kRoughestMirror);
+  const Vec3f white{1, 1, 1};
+  r.mirror = r.mirror * below + white * (share * smooth);
+  r.highlight = r.highlight * below + white * (share * (1 - smooth));
+  r.diffuse = r.diffuse * below;
+  r.through = r.through * below;
+}
+
 /// cosine: between the normal and the viewer, 0 to 1. entering: the ray comes from outside of the surface.
 inline Reflectance reflectance(const Material& material, const Look& look, double cosine, bool entering) {
   const double ior = std::max(1.0f, material.ior);
@@ -53,12 +65,18 @@ inline Reflectance reflectance(const Material& material, const Look& look, doubl
   const float coat = static_cast<float>(fresnel_share) * (glass + gloss * (1 - glass));
   const float coat_mirror = glass + smooth * (1 - glass);
 
+  // What the boundary of what is no metal reflects; the rest of the light goes on, less by the strongest colour of it.
+  const Vec3f tint = (material.specular_color + (white - material.specular_color) * grazing) * material.specular;
+  const Vec3f boundary{std::min(coat * tint.x, 1.0f), std::min(coat * tint.y, 1.0f), std::min(coat * tint.z, 1.0f)};
+  const float inwards = 1 - std::max({boundary.x, boundary.y, boundary.z});
+
   Reflectance r;
-  r.mirror = white * (other * coat * coat_mirror) + metal_colour * (metal * smooth);
-  r.highlight = white * (other * coat * (1 - coat_mirror)) + metal_colour * (metal * (1 - smooth) * gloss);
-  r.diffuse = base * (other * (1 - coat) * (1 - glass)) + metal_colour * (metal * (1 - smooth) * rough);
-  r.through = base * (other * (1 - coat) * glass);
+  r.mirror = boundary * (other * coat_mirror) + metal_colour * (metal * smooth);
+  r.highlight = boundary * (other * (1 - coat_mirror)) + metal_colour * (metal * (1 - smooth) * gloss);
+  r.diffuse = base * (other * inwards * (1 - glass)) + metal_colour * (metal * (1 - smooth) * rough);
+  r.through = base * (other * inwards * glass);
   r.alpha = std::max(rough, kRoughestMirror) * std::max(rough, kRoughestMirror);
+  if (material.clearcoat > 0) add_clearcoat(material, cosine, r);
   return r;
 }
 

@@ -26,16 +26,16 @@ Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_dep
   for (uint32_t m = 0; m < shot.meshes.size(); ++m) {
     const Mesh& mesh = shot.meshes[m];
     const bool still = mesh.is_static() && mesh.normals.size() < 2 && !shot.camera_moves;
-    varies_.push_back(whitted_ || ((want_normal_ || looks_->is_textured(m)) && !still));
-    is_even_.push_back(!whitted_ && (kind == ShadingKind::normal || !looks_->is_textured(m)));
+    varies_.push_back(whitted_ || ((want_normal_ || looks_->varies(m)) && !still));
+    is_even_.push_back(!whitted_ && (kind == ShadingKind::normal || !looks_->varies(m)));
   }
   if (want_variation && want_normal_ && !whitted_) variation_ = ColourVariation(shot, world_from_camera_);
 }
 
 bool Shader::joined(const Segment& first, const Segment& second) const {
   if (first.mesh != second.mesh) return false;
-  const JointNeeds needs{want_normal_ || whitted_, looks_->is_textured(first.mesh)};
-  if (!needs.normals && !needs.uvs) return true;  // of one colour all over
+  const JointNeeds needs{want_normal_ || whitted_, looks_->varies(first.mesh)};
+  if (!needs.normals && !needs.looks) return true;  // of one colour all over
   if (first.front != second.front) return false;
   return first.triangle == second.triangle ||
          smooth_joint(shot_.meshes[first.mesh], first.triangle, second.triangle, first.end, needs);
@@ -61,7 +61,7 @@ Vec3f Shader::sky(const Ray& ray, float time) const {
 }
 
 Look Shader::look(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, double& width) const {
-  if (!looks_->is_textured(mesh) && !whitted_) return looks_->at(mesh, triangle, {}, {}, 0);
+  if (!looks_->varies(mesh) && !whitted_) return looks_->at(mesh, triangle, {}, {}, 0);
   const std::array<Vec3d, 3> vertices = triangle_at(shot_.meshes[mesh], triangle, time);
   const std::array<float, 3> weights = barycentrics(vertices, ray);
   width = cone_.width_at(point_of(vertices, weights), ray);
@@ -81,7 +81,7 @@ Shade Shader::shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time
     case ShadingKind::bounds:  // shows no surfaces, and so does not ask
     case ShadingKind::bounds_exact:
     case ShadingKind::flat:
-      shade.colour = seen.base_colour + seen.emission;
+      shade.colour = looks_->material(mesh).unlit ? seen.base_colour : seen.base_colour + seen.emission;
       break;
     case ShadingKind::whitted:
       shade.colour = whitted_->radiance(ray, mesh, triangle, time, width, key);

@@ -16,6 +16,13 @@ bool agree(Vec3d a, Vec3d b) {
   return cosine > 0 && cosine * cosine >= kLeastCosine * kLeastCosine * dot(a, a) * dot(b, b);
 }
 
+bool look_same(const Mesh& mesh, uint32_t a, uint32_t b) {
+  if (!mesh.colors.empty() && mesh.colors[a] != mesh.colors[b]) return false;
+  for (uint32_t set = 0; set <= mesh.more_uvs.size(); ++set)
+    if (const std::vector<Vec2f>& uvs = mesh.uv_set(set); !uvs.empty() && uvs[a] != uvs[b]) return false;
+  return true;
+}
+
 }  // namespace
 
 bool smooth_joint(const Mesh& mesh, uint32_t a, uint32_t b, float time, const JointNeeds& needs) {
@@ -29,7 +36,7 @@ bool smooth_joint(const Mesh& mesh, uint32_t a, uint32_t b, float time, const Jo
     return cross(to_double(positions[corners[1]]) - origin, to_double(positions[corners[2]]) - origin);
   };
   const auto goes_on = [&](uint32_t vertex_a, uint32_t vertex_b) {
-    if (needs.uvs && !mesh.uvs.empty() && mesh.uvs[vertex_a] != mesh.uvs[vertex_b]) return false;
+    if (needs.looks && !look_same(mesh, vertex_a, vertex_b)) return false;
     if (!needs.normals) return true;
     if (mesh.normals.empty()) return agree(face(corners_a), face(corners_b));
     const std::vector<Vec3f>& normals = mesh.normals[mesh.normals.size() == 1 ? 0 : key];

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "shading/normal_map.h"
 #include "shading/reflectance.h"
 #include "shading/surface.h"
 
@@ -88,6 +89,7 @@ Whitted::Point Whitted::point_at(const Ray& ray, uint32_t mesh_index, uint32_t t
   p.position = point_of(vertices, weights);
   p.to_viewer = -normalize(to_double(ray.direction));
   p.face = geometric_normal(vertices);
+  p.width = width;
   p.entering = dot(p.face, p.to_viewer) >= 0;
   if (!p.entering) p.face = -p.face;
   p.normal = p.face;
@@ -97,12 +99,31 @@ Whitted::Point Whitted::point_at(const Ray& ray, uint32_t mesh_index, uint32_t t
     if (dot(p.normal, p.face) < 0) p.normal = -p.normal;
     if (!(dot(p.normal, p.to_viewer) > 0)) p.normal = p.face;  // seen from behind, at the rim of something smooth
   }
+  if (looks_.has_normal_texture(mesh_index))
+    p.normal = bent_normal(p, mesh_index, triangle, vertices, weights, instant);
   const double extent =
       std::max({largest_coordinate(vertices[0]), largest_coordinate(vertices[1]), largest_coordinate(vertices[2])});
   p.offset = extent * kOffset;
-  p.width = width;
   p.shares = reflectance(*p.material, p.look, std::clamp(dot(p.normal, p.to_viewer), 0.0, 1.0), p.entering);
   return p;
+}
+
+Vec3d Whitted::bent_normal(const Point& p, uint32_t mesh_index, uint32_t triangle, const std::array<Vec3d, 3>& vertices,
+                           const std::array<float, 3>& weights, const Instant& instant) const {
+  const Mesh& mesh = shot_.meshes[mesh_index];
+  const double seen = p.entering ? 1 : -1;
+  const Vec3d front = p.normal * seen;
+  TangentFrame frame;
+  if (!mesh.tangents.empty()) {
+    const Vec4f own = interpolated_tangent(mesh, triangle, weights, instant.time);
+    frame = tangent_frame(instant.place.vector_from_world(Vec3d{own.x, own.y, own.z}), own.w, front);
+  } else {
+    frame = tangent_frame(vertices, looks_.normal_uvs(mesh_index, triangle), front);
+  }
+  Vec3f bend = looks_.normal_at(mesh_index, triangle, vertices, weights, p.width);
+  bend.x *= p.material->normal_scale;
+  bend.y *= p.material->normal_scale;
+  return mapped_normal(bend, frame, front, seen, p.to_viewer);
 }
 
 Vec3f Whitted::radiance(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, double width,
@@ -117,6 +138,7 @@ Vec3f Whitted::radiance(const Ray& ray, uint32_t mesh, uint32_t triangle, float 
 Vec3f Whitted::shade(const Ray& ray, const Point& point, const Instant& instant, SampleKey key, int depth,
                      float weight) const {
   if (point.face == Vec3d{}) return {};  // no area
+  if (point.material->unlit) return point.look.base_colour;
   Vec3f colour = point.look.emission + direct(point, instant, key);
   if (depth >= max_depth_) return colour;
   const Vec3d along = normalize(to_double(ray.direction));

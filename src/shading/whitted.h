@@ -27,6 +27,9 @@ class Whitted {
   struct Point;
 
   Point point_at(const Ray& ray, uint32_t mesh, uint32_t triangle, double width, const Instant& instant) const;
+  /// The point's normal as the mesh's normal picture bends it.
+  Vec3d bent_normal(const Point& point, uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& vertices,
+                    const std::array<float, 3>& weights, const Instant& instant) const;
   Vec3f shade(const Ray& ray, const Point& point, const Instant& instant, SampleKey key, int depth, float weight) const;
   Vec3f direct(const Point& point, const Instant& instant, SampleKey key) const;
   Vec3f from_sky(const Point& point, const Instant& instant, SampleKey key) const;

@@ -70,7 +70,7 @@ TEST(Texture, BeyondItsEdgesItRepeatsStopsOrTurnsBack) {
   Shot shot;
   shot.materials.resize(1);
   shot.materials[0].base_color = {1, 1, 1};
-  shot.materials[0].texture_wrap = {TextureWrap::clamp, TextureWrap::repeat};
+  shot.materials[0].base_color_texture.wrap = {TextureWrap::clamp, TextureWrap::repeat};
   shot.textures = {{std::make_shared<const Texture>(texture), nullptr, nullptr}};
   Mesh mesh;
   mesh.triangles = {{0, 1, 2}};

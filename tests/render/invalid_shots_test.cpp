@@ -63,6 +63,25 @@ const std::vector<Flaw>& flaws() {
       {"one normal per vertex", [](Shot& s) { s.meshes[0].normals[0].pop_back(); }},
       {"normals need one key", [](Shot& s) { s.meshes[0].normals.resize(2, s.meshes[0].normals[0]); }},
       {"texture coordinate", [](Shot& s) { s.meshes[0].uvs.pop_back(); }},
+      {"texture coordinate",
+       [](Shot& s) {
+         s.meshes[0].more_uvs = {{}, {{0, 0}}};
+       }},
+      {"one tangent per vertex",
+       [](Shot& s) {
+         s.meshes[0].tangents = {{{1, 0, 0, 1}}};
+       }},
+      {"tangents need one key",
+       [](Shot& s) {
+         s.meshes[0].tangents = {{}, {}};
+       }},
+      {"one colour per vertex", [](Shot& s) { s.meshes[0].colors.resize(2); }},
+      {"colour is not finite",
+       [](Shot& s) {
+         s.meshes[0].colors = {{}, {0, 0, 0, kNan}, {}};
+       }},
+      {"material 'paint'", [](Shot& s) { s.materials[0].normal_texture.placement[1].z = kNan; }},
+      {"material 'paint'", [](Shot& s) { s.materials[0].normal_scale = kInfinity; }},
       {"one number per triangle",
        [](Shot& s) {
          s.meshes[0].prim_ids = {1, 2};

@@ -142,7 +142,7 @@ TEST(LoadTextures, WhatCannotBeReadIsLeftOutWithOneNote) {
 
   Scene missing;
   missing.materials.resize(1);
-  missing.materials[0].base_color_texture = folder.path("none.png");
+  missing.materials[0].base_color_texture.picture = folder.path("none.png");
   missing.meshes = scene.meshes;
   for (SceneMesh& mesh : missing.meshes) mesh.material = 0;
   EXPECT_THAT(make_shot(missing).notes, testing::Contains(HasSubstr("none.png")));

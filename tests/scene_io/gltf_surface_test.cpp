@@ -61,7 +61,7 @@ TEST(GltfSurface, TexturesArePathsBesideTheFile) {
   gltf.root["textures"] = {{{"source", 0}}};
   gltf.root["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
   const Scene scene = GltfBuilder::parse_text(gltf.text(), {}, "/nowhere/scenes");
-  EXPECT_EQ(scene.materials[0].base_color_texture, "/nowhere/scenes/old wood.png");
+  EXPECT_EQ(scene.materials[0].base_color_texture.picture, "/nowhere/scenes/old wood.png");
   gltf.root["images"][0]["uri"] = "../../etc/passwd";
   EXPECT_THROW(GltfBuilder::parse_text(gltf.text(), {}, "/nowhere/scenes"), Error);
 }

@@ -31,11 +31,16 @@ GltfBuilder textured(const nlohmann::json& info = {{"index", 0}}) {
 
 Scene parse(GltfBuilder& gltf) { return GltfBuilder::parse_text(gltf.text(), {}, "/nowhere"); }
 
-void expect_uvs(const Scene& scene, const std::vector<Vec2f>& expected) {
-  ASSERT_EQ(scene.meshes.at(0).uvs.size(), expected.size());
+/// Where the base colour's picture lies, or another one.
+void expect_uvs(const Scene& scene, const std::vector<Vec2f>& expected,
+                TextureRef Material::*picture = &Material::base_color_texture) {
+  const TextureRef& texture = scene.materials.at(0).*picture;
+  const SceneMesh& mesh = scene.meshes.at(0);
+  const std::vector<Vec2f>& uvs = texture.uv_set == 0 ? mesh.uvs : mesh.more_uvs.at(texture.uv_set - 1);
+  ASSERT_EQ(uvs.size(), expected.size());
   for (size_t i = 0; i < expected.size(); ++i) {
-    EXPECT_NEAR(scene.meshes[0].uvs[i].x, expected[i].x, 1e-6) << i;
-    EXPECT_NEAR(scene.meshes[0].uvs[i].y, expected[i].y, 1e-6) << i;
+    EXPECT_NEAR(texture.place(uvs[i]).x, expected[i].x, 1e-6) << i;
+    EXPECT_NEAR(texture.place(uvs[i]).y, expected[i].y, 1e-6) << i;
   }
 }
 
@@ -52,29 +57,70 @@ TEST(GltfTexture, ATransformMovesItsCoordinates) {
   // Counter-clockwise where v points down: what lay to the right lies above. First the scale, then the turn.
   expect_uvs(place({{"rotation", M_PI / 2}, {"scale", {2, 3}}, {"offset", {0, 1}}}), {{0, 1}, {0, -1}, {6, 0}});
   expect_uvs(place({{"texCoord", 1}, {"scale", {2, 1}}}), {{10, 5}, {12, 6}, {14, 7}});
-  expect_uvs(place({{"scale", {1e300, 1}}, {"offset", {"a", 2}}}), {{0, 0}, {0, 0}, {0, 0}});
+  for (const Vec3f& row :
+       place({{"scale", {1e300, 1}}, {"offset", {"a", 2}}}).materials[0].base_color_texture.placement)
+    EXPECT_TRUE(is_finite(row));
 }
 
 TEST(GltfTexture, TakesTheCoordinatesThatItsMaterialNames) {
   GltfBuilder gltf = textured({{"index", 0}, {"texCoord", 1}});
   expect_uvs(parse(gltf), {{5, 5}, {6, 6}, {7, 7}});
-  gltf.root["materials"][0]["emissiveTexture"] = {{"index", 0}, {"texCoord", 1}};
-  EXPECT_THAT(parse(gltf).warnings, IsEmpty());
   gltf.root["materials"][0]["emissiveTexture"] = {{"index", 0}};
-  EXPECT_THAT(parse(gltf).warnings, ElementsAre(HasSubstr("materials[0]: a texture that lies otherwise")));
+  gltf.root["materials"][0]["normalTexture"] = {
+      {"index", 0}, {"extensions", {{"KHR_texture_transform", {{"texCoord", 1}, {"offset", {1, 0}}}}}}};
+  const Scene scene = parse(gltf);
+  EXPECT_THAT(scene.warnings, IsEmpty());
+  expect_uvs(scene, {{5, 5}, {6, 6}, {7, 7}});
+  expect_uvs(scene, {{0, 0}, {1, 0}, {0.5f, 2}}, &Material::emission_texture);
+  expect_uvs(scene, {{6, 5}, {7, 6}, {8, 7}}, &Material::normal_texture);
   gltf.root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 7;
-  EXPECT_TRUE(parse(gltf).meshes.at(0).uvs.empty()) << "there are none";
+  EXPECT_TRUE(parse(gltf).meshes.at(0).more_uvs.at(6).empty()) << "there are none";
+  gltf.root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 8;
+  const Scene beyond = parse(gltf);
+  EXPECT_TRUE(beyond.materials[0].base_color_texture.empty());
+  EXPECT_THAT(beyond.warnings, ElementsAre(HasSubstr("sets 0 to 7")));
+}
+
+TEST(GltfTexture, NormalPicturesComeWithTheirScaleAndTangents) {
+  GltfBuilder gltf = textured();
+  gltf.root["materials"][0]["normalTexture"] = {{"index", 0}, {"scale", 0.5}};
+  auto& attributes = gltf.root["meshes"][0]["primitives"][0]["attributes"];
+  attributes["NORMAL"] = gltf.accessor(std::vector<float>{0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+  attributes["TANGENT"] = gltf.accessor(std::vector<float>{2, 0, 0, 1, 0, 1, 0, -1, -1, 0, 0, 1}, "VEC4");
+  gltf.root["nodes"][0]["rotation"] = {0, 0, std::sqrt(0.5), std::sqrt(0.5)};  // a quarter turn: x to y
+  const auto tangents = [&] {
+    const Scene scene = parse(gltf);
+    EXPECT_THAT(scene.warnings, IsEmpty());
+    EXPECT_EQ(scene.materials[0].normal_texture.picture, "/nowhere/wood.png");
+    EXPECT_EQ(scene.materials[0].normal_scale, 0.5f);
+    EXPECT_TRUE(scene.meshes[0].motion->has_tangents());
+    std::vector<Vec4f> out(3);
+    scene.meshes[0].motion->tangents(0, Side::after, out);
+    return out;
+  };
+  const auto expect_near = [](const Vec4f& actual, const Vec4f& expected) {
+    EXPECT_NEAR(actual.x, expected.x, 1e-6);
+    EXPECT_NEAR(actual.y, expected.y, 1e-6);
+    EXPECT_NEAR(actual.z, expected.z, 1e-6);
+    EXPECT_EQ(actual.w, expected.w);
+  };
+  expect_near(tangents()[0], {0, 1, 0, 1});
+  expect_near(tangents()[1], {-1, 0, 0, -1});
+  gltf.root["nodes"][0]["scale"] = {-1, 1, 1};  // mirrored: what was to the left of a tangent is to its right
+  expect_near(tangents()[0], {0, -1, 0, -1});
+  expect_near(tangents()[1], {-1, 0, 0, 1});
 }
 
 TEST(GltfTexture, SamplersSayWhatLiesBeyondTheEdges) {
   GltfBuilder gltf = textured();
   using Wraps = std::array<TextureWrap, 2>;
-  EXPECT_EQ(parse(gltf).materials[0].texture_wrap, (Wraps{TextureWrap::repeat, TextureWrap::repeat}));
+  const auto wraps = [&] { return parse(gltf).materials[0].base_color_texture.wrap; };
+  EXPECT_EQ(wraps(), (Wraps{TextureWrap::repeat, TextureWrap::repeat}));
   gltf.root["textures"][0]["sampler"] = 0;
   gltf.root["samplers"] = nlohmann::json::array({{{"wrapS", 33071}, {"wrapT", 33648}}});
-  EXPECT_EQ(parse(gltf).materials[0].texture_wrap, (Wraps{TextureWrap::clamp, TextureWrap::mirror}));
+  EXPECT_EQ(wraps(), (Wraps{TextureWrap::clamp, TextureWrap::mirror}));
   gltf.root["samplers"][0] = nlohmann::json::object();
-  EXPECT_EQ(parse(gltf).materials[0].texture_wrap, (Wraps{TextureWrap::repeat, TextureWrap::repeat}));
+  EXPECT_EQ(wraps(), (Wraps{TextureWrap::repeat, TextureWrap::repeat}));
 }
 
 TEST(GltfTexture, SpecularGlossinessKeepsItsDiffusePart) {
@@ -94,7 +140,7 @@ TEST(GltfTexture, SpecularGlossinessKeepsItsDiffusePart) {
   EXPECT_EQ(m.alpha, 0.75f);
   EXPECT_EQ(m.metallic, 0);
   EXPECT_EQ(m.roughness, 0.75f);
-  EXPECT_EQ(m.base_color_texture, "/nowhere/wood.png");
+  EXPECT_EQ(m.base_color_texture.picture, "/nowhere/wood.png");
   EXPECT_THAT(scene.warnings, IsEmpty());
   expect_uvs(scene, {{1, 2}, {2, 2}, {1.5f, 4}});
 
@@ -109,16 +155,17 @@ TEST(GltfTexture, SpecularGlossinessKeepsItsDiffusePart) {
   EXPECT_EQ(parse(gltf).materials[0].base_color, (Vec3f{1, 1, 1}));
 }
 
-TEST(GltfTexture, UnlitSurfacesShineInTheirColour) {
+TEST(GltfTexture, UnlitSurfacesKeepTheirColour) {
   GltfBuilder gltf = textured();
   gltf.root["extensionsUsed"] = {"KHR_materials_unlit"};
   gltf.root["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {0.5, 0.25, 1, 1};
   gltf.root["materials"][0]["extensions"]["KHR_materials_unlit"] = nlohmann::json::object();
   const Scene scene = parse(gltf);
   EXPECT_THAT(scene.warnings, IsEmpty());
-  EXPECT_EQ(scene.materials[0].emission, (Vec3f{0.5f, 0.25f, 1}));
-  EXPECT_EQ(scene.materials[0].base_color, Vec3f{});
-  EXPECT_EQ(scene.materials[0].emission_texture, "/nowhere/wood.png");
+  EXPECT_TRUE(scene.materials[0].unlit);
+  EXPECT_EQ(scene.materials[0].base_color, (Vec3f{0.5f, 0.25f, 1}));
+  EXPECT_EQ(scene.materials[0].emission, Vec3f{});
+  EXPECT_EQ(scene.materials[0].base_color_texture.picture, "/nowhere/wood.png");
   EXPECT_EQ(scene.materials[0].metallic, 0);
 }
 

@@ -41,7 +41,7 @@ SceneDescription cards() {
   scene.materials[1].name = "red";
   scene.materials[1].base_color = {1, 0.25f, 0.25f};
   scene.materials[2].name = "painted";
-  scene.materials[2].base_color_texture = "squares";
+  scene.materials[2].base_color_texture.picture = "squares";
   scene.pictures["squares"] = {2, 2, {255, 0, 0, 255, 0, 255, 0, 255, 10, 20, 30, 255, 200, 100, 50, 255}, {}};
   CameraDescription camera;
   camera.vfov = 1;
@@ -181,6 +181,13 @@ TEST(MakeScene, RefusesWhatCannotBeUsed) {
   refused([](S& s) { s.meshes[0].normals.pop_back(); }, {"mesh 0", "normals at 1 of its 2 keys"});
   refused([](S& s) { s.meshes[0].normals[1][3] = {}; }, {"mesh 0", "normal of vertex 3 is zero"});
   refused([](S& s) { s.meshes[0].uvs.pop_back(); }, {"mesh 0", "3 texture coordinates"});
+  refused([](S& s) { s.meshes[0].more_uvs = {{}, {{0, 0}}}; }, {"mesh 0", "1 texture coordinates"});
+  refused([](S& s) { s.meshes[0].colors.resize(3); }, {"mesh 0", "3 colours for 4 vertices"});
+  refused([](S& s) { s.meshes[0].colors = {{}, {}, {0, 0, 0, -1}, {}}; }, {"mesh 0", "colour of vertex 2"});
+  refused([](S& s) { s.materials[1].clearcoat = 2; }, {"material 1", "clearcoat 2"});
+  refused([](S& s) { s.materials[1].specular_color.x = -1; }, {"material 1", "specular colour"});
+  refused([](S& s) { s.materials[1].normal_scale = NAN; }, {"material 1", "normal picture"});
+  refused([](S& s) { s.materials[1].alpha_texture.placement[0].x = NAN; }, {"material 1", "placement"});
   refused([](S& s) { s.meshes[0].material = 3; }, {"mesh 0", "material 3"});
   refused([](S& s) { s.instances[1].material = 9; }, {"instance 1 'mirrored'", "material 9"});
   refused([](S& s) { s.instances[0].mesh = 1; }, {"instance 0", "mesh 1"});

@@ -43,6 +43,31 @@ class Native : public testing::Test {
   TempFolder folder_;
 };
 
+TEST_F(Native, PicturesLieWhereTheyAreTold) {
+  const auto read = [&](const std::string& fields) {
+    return load(R"({"kairos": 1, "materials": {"m": {)" + fields + "}}}").materials.at(1);
+  };
+  const Material m = read(R"("normal_texture": {"file": "n.png", "uv_set": 1, "placement": [2, 0, 0.5, 0, 3, 1],
+                             "wrap": ["clamp", "mirror"]}, "normal_scale": -0.5, "unlit": true, "specular": 0.25,
+                             "specular_color": [1, 0.5, 0], "clearcoat": 0.75, "clearcoat_roughness": 0.125)");
+  EXPECT_EQ(m.normal_texture.picture, folder_.path("n.png"));
+  EXPECT_EQ(m.normal_texture.uv_set, 1u);
+  EXPECT_EQ(m.normal_texture.place({0.5f, 1}), (Vec2f{1.5f, 4}));
+  EXPECT_EQ(m.normal_texture.wrap, (std::array{TextureWrap::clamp, TextureWrap::mirror}));
+  EXPECT_EQ(m.normal_scale, -0.5f);
+  EXPECT_TRUE(m.unlit);
+  EXPECT_EQ(m.specular, 0.25f);
+  EXPECT_EQ(m.specular_color, (Vec3f{1, 0.5f, 0}));
+  EXPECT_EQ(m.clearcoat, 0.75f);
+  EXPECT_EQ(m.clearcoat_roughness, 0.125f);
+  EXPECT_EQ(read(R"("normal_texture": "n.png")").normal_texture.place({0.25f, 2}), (Vec2f{0.25f, 2}));
+  refuse_fields(R"("materials": {"m": {"normal_texture": {"uv_set": 1}}})", {"'file' is missing"});
+  refuse_fields(R"("materials": {"m": {"normal_texture": {"file": "n.png", "uv_set": 8}}})", {"uv_set", "8"});
+  refuse_fields(R"("materials": {"m": {"normal_texture": {"file": "n.png", "wrap": ["clamp", "tile"]}}})",
+                {"unknown wrap 'tile'"});
+  refuse_fields(R"("materials": {"m": {"normal_texture": {"file": "n.png", "placement": [1]}}})", {"placement"});
+}
+
 TEST_F(Native, AlphaMakesMasksAndBlended) {
   using Mode = Material::AlphaMode;
   const auto read = [&](const std::string& fields) {
@@ -52,7 +77,7 @@ TEST_F(Native, AlphaMakesMasksAndBlended) {
   EXPECT_EQ(read("\"alpha\": 0.25").alpha_mode, Mode::blend);
   EXPECT_EQ(read("\"alpha\": 0.25").alpha, 0.25f);
   EXPECT_EQ(read("\"alpha_texture\": \"a.png\"").alpha_mode, Mode::blend);
-  EXPECT_EQ(read("\"alpha_texture\": \"a.png\"").alpha_texture, folder_.path("a.png"));
+  EXPECT_EQ(read("\"alpha_texture\": \"a.png\"").alpha_texture.picture, folder_.path("a.png"));
   EXPECT_EQ(read("\"alpha_texture\": \"a.png\", \"alpha_cutoff\": 0.5").alpha_mode, Mode::mask);
   EXPECT_EQ(read("\"alpha_mode\": \"blend\"").alpha_mode, Mode::blend);
   EXPECT_EQ(read("\"alpha_mode\": \"mask\"").alpha_cutoff, 0.5f);
@@ -106,7 +131,7 @@ TEST_F(Native, ReadsAllOfItsFields) {
   EXPECT_EQ(skin.ior, 1.25);
   EXPECT_EQ(skin.alpha_cutoff, 0.125);
   EXPECT_EQ(skin.alpha_mode, Material::AlphaMode::mask);
-  EXPECT_EQ(skin.base_color_texture, folder_.path("skin.png"));
+  EXPECT_EQ(skin.base_color_texture.picture, folder_.path("skin.png"));
   ASSERT_EQ(scene.cameras.size(), 1u);
   EXPECT_DOUBLE_EQ(scene.cameras[0].vfov, std::numbers::pi / 2);
   EXPECT_EQ(scene.cameras[0].motion->at(0.5, Side::after), translation({0.5, 0, 5}));

@@ -80,17 +80,17 @@ TEST_F(ObjMaterials, Pictures) {
   folder_.write("a b#1.png", "");
   folder_.write("tex/c.png", "");
   const Material m = material("Kd .5 .5 .5\nmap_Kd -clamp on a b#1.png\nmap_d tex\\c.png\nmap_Ke tex/c.png\n");
-  EXPECT_EQ(m.base_color_texture, folder_.path("a b#1.png"));
+  EXPECT_EQ(m.base_color_texture.picture, folder_.path("a b#1.png"));
   EXPECT_EQ(m.base_color, (Vec3f{0.5, 0.5, 0.5}));
-  EXPECT_EQ(m.texture_wrap[1], TextureWrap::clamp);
-  EXPECT_EQ(m.alpha_texture, folder_.path("tex/c.png"));
+  EXPECT_EQ(m.base_color_texture.wrap[1], TextureWrap::clamp);
+  EXPECT_EQ(m.alpha_texture.picture, folder_.path("tex/c.png"));
   EXPECT_EQ(m.alpha_mode, Material::AlphaMode::mask);
   EXPECT_EQ(m.emission, (Vec3f{1, 1, 1}));
   EXPECT_EQ(material("Kd 0 0 0\nmap_Kd tex/c.png\n").base_color, (Vec3f{1, 1, 1})) << "black would hide the picture";
   const Material cut = material("map_Kd tex/c.png\nmap_d tex/c.png\n");
-  EXPECT_EQ(cut.alpha_texture, "") << "the colour's picture has an alpha of its own";
+  EXPECT_EQ(cut.alpha_texture.picture, "") << "the colour's picture has an alpha of its own";
   EXPECT_EQ(cut.alpha_mode, Material::AlphaMode::mask);
-  EXPECT_EQ(material("Pm 1\nmap_Pr tex/c.png\n").metallic_roughness_texture, folder_.path("tex/c.png"));
+  EXPECT_EQ(material("Pm 1\nmap_Pr tex/c.png\n").metallic_roughness_texture.picture, folder_.path("tex/c.png"));
   material("map_Kd gone.png\nmap_Kd ../x.png\nmap_Kd -bm 2 tex/c.png\nbump tex/c.png\nPs 1\n", false);
   EXPECT_THAT(warnings_, ElementsAre(HasSubstr("lib.mtl:2: 'gone.png' is not there"), HasSubstr("'../x.png' is not"),
                                      HasSubstr("lib.mtl:4: the option '-bm'"), HasSubstr("statements 'bump'"),

@@ -106,10 +106,10 @@ TEST_F(PbrtSurface, TexturesAreEvaluatedAsFarAsPossible) {
   const auto kd = [&](const std::string& textures, const std::string& name) {
     return material_of(textures + "\nMaterial \"matte\" \"texture Kd\" \"" + name + "\"");
   };
-  EXPECT_EQ(kd(image, "i").base_color_texture, folder_.path("a.png"));
+  EXPECT_EQ(kd(image, "i").base_color_texture.picture, folder_.path("a.png"));
   EXPECT_EQ(kd(image, "i").base_color, (Vec3f{1, 1, 1}));
   const std::string v3 = image + "Texture \"s\" \"color\" \"scale\" \"texture tex1\" \"i\" \"rgb tex2\" [.25 .5 1]";
-  EXPECT_EQ(kd(v3, "s").base_color_texture, folder_.path("a.png"));
+  EXPECT_EQ(kd(v3, "s").base_color_texture.picture, folder_.path("a.png"));
   EXPECT_EQ(kd(v3, "s").base_color, (Vec3f{0.25, 0.5, 1}));
   const std::string v4 = image + "Texture \"s\" \"spectrum\" \"scale\" \"texture tex\" \"i\" \"float scale\" .5";
   EXPECT_EQ(kd(v4, "s").base_color, (Vec3f{0.5, 0.5, 0.5}));
@@ -126,7 +126,7 @@ TEST_F(PbrtSurface, TexturesAreEvaluatedAsFarAsPossible) {
   EXPECT_EQ(
       kd(image + "Texture \"m\" \"spectrum\" \"mix\" \"texture tex1\" \"i\" \"rgb tex2\" [1 0 0] \"float amount\" .25",
          "m")
-          .base_color_texture,
+          .base_color_texture.picture,
       folder_.path("a.png"));
   EXPECT_THAT(scene_.warnings, ElementsAre(HasSubstr("only the stronger part")));
   expect_color(
@@ -149,7 +149,7 @@ TEST_F(PbrtSurface, MissingImagesAreReportedOnce) {
       "Texture \"j\" \"spectrum\" \"imagemap\" \"string filename\" \"wood.tga\"\n"
       "Material \"matte\" \"texture Kd\" \"i\"";
   EXPECT_EQ(material_of(text).base_color, (Vec3f{0.5, 0.5, 0.5}));
-  EXPECT_EQ(material_of(text).base_color_texture, "");
+  EXPECT_EQ(material_of(text).base_color_texture.picture, "");
   EXPECT_THAT(scene_.warnings, ElementsAre(HasSubstr("scene.pbrt:4: the file 'wood.tga' is not there")));
   expect_error([&] { load_world(text, true); }, {"scene.pbrt:4", "wood.tga"});
   expect_error([&] { load_world("Texture \"i\" \"spectrum\" \"imagemap\" \"string filename\" \"/etc/passwd\""); },
@@ -164,7 +164,7 @@ TEST_F(PbrtSurface, AlphaImagesMakeMasks) {
   ASSERT_THAT(scene.meshes, SizeIs(3));
   const auto& mask = scene.materials[scene.meshes[0].material];
   EXPECT_EQ(mask.alpha_mode, Material::AlphaMode::mask);
-  EXPECT_EQ(mask.alpha_texture, folder_.path("leaf.png"));
+  EXPECT_EQ(mask.alpha_texture.picture, folder_.path("leaf.png"));
   EXPECT_EQ(scene.materials[scene.meshes[1].material].alpha_mode, Material::AlphaMode::opaque);
   EXPECT_EQ(scene.materials[scene.meshes[2].material].alpha_mode, Material::AlphaMode::blend);
   EXPECT_EQ(scene.materials[scene.meshes[2].material].alpha, 0.25f);

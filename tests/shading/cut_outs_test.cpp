@@ -79,6 +79,32 @@ TEST(CutOuts, HolesOpenAndCloseSegmentsAtTheRightTimes) {
   EXPECT_FALSE(scene.intersect(ray, 0.5f, 7.9f)) << "nothing before the wall";
 }
 
+// The leaf's alpha rises from 0 at its left edge to 1 at its right one, by its vertices; it moves by 2 of its 4 units.
+TEST(CutOuts, AlphaOfVerticesCutsAtTheRightTimeToo) {
+  Shot shot = leaf_shot(0.5f);
+  shot.textures.clear();
+  shot.meshes[0].colors = {{1, 1, 1, 0}, {1, 1, 1, 1}, {1, 1, 1, 1}, {1, 1, 1, 0}};
+  shot.materials[0].alpha_cutoff = 0.375f;
+  const Shader shader(shot, ShadingKind::flat, false);
+  ASSERT_TRUE(shader.cut_outs());
+  // Meets the leaf at x = 0.25, which is 2.25 - 2 time from its left edge; it is cut where that is below 1.5.
+  for (const InstructionSet set : supported_instruction_sets()) {
+    const Tracer tracer(shot.meshes, {Precision::fast, set, shader.cut_outs()});
+    Tracer::Workspace workspace;
+    const auto seen = tracer.trace({{0, 0, 0}, {0.25f / 4, 0.1f / 4, -1}}, Visibility::visible, workspace);
+    ASSERT_GE(seen.size(), 2u);
+    EXPECT_EQ(seen.front().mesh, 0u);
+    EXPECT_EQ(seen.back().mesh, 1u);
+    EXPECT_NEAR(seen.back().begin, 0.375, 2e-4) << to_string(set);
+  }
+  shot.materials[0].alpha_mode = Material::AlphaMode::blend;
+  const Shader blended(shot, ShadingKind::flat, false);
+  ASSERT_TRUE(blended.cut_outs());
+  EXPECT_NEAR(blended.opacity({{0, 0, 0}, {0.25f / 4, 0, -1}}, 0, 0, 0), 2.25 / 4, 1e-6);
+  shot.meshes[0].colors.assign(4, {0, 1, 0, 1});
+  EXPECT_FALSE(Shader(shot, ShadingKind::flat, false).cut_outs()) << "all of it is there";
+}
+
 TEST(CutOuts, WhatStandsStillIsCutOutToo) {
   const Shot shot = leaf_shot(1, false);
   const Shader shader(shot, ShadingKind::normal, false);

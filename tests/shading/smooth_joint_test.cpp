@@ -70,6 +70,18 @@ TEST(SmoothJoint, PicturesMustGoOnToo) {
   EXPECT_TRUE(smooth_joint(mesh, 0, 1, 0, kNormals)) << "without a picture";
 }
 
+TEST(SmoothJoint, SoMustFurtherCoordinatesAndColours) {
+  Mesh mesh = hinge(0);
+  mesh.more_uvs = {{}, {{0, 0}, {0, 1}, {1, 0}, {0, 1}, {0, 0}, {1, 1}}};
+  mesh.colors.assign(6, {1, 0.5f, 0, 1});
+  EXPECT_TRUE(smooth_joint(mesh, 0, 1, 0, kAll));
+  Mesh seam = mesh, painted = mesh;
+  seam.more_uvs[1][3] = seam.more_uvs[1][4] = {0.5f, 0.5f};
+  EXPECT_FALSE(smooth_joint(seam, 0, 1, 0, kAll));
+  for (const size_t v : {3, 4}) painted.colors[v].w = 0.5f;
+  EXPECT_FALSE(smooth_joint(painted, 0, 1, 0, kAll));
+}
+
 // Looked at near the time of the change: the hinge is straight first and folded later.
 TEST(SmoothJoint, AtTheTimeOfTheChange) {
   Mesh mesh = hinge(0);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "discrete/discrete_scene.h"
+#include "shading/reflectance.h"
 #include "shading/shader.h"
 #include "whitted_scene.h"
 
@@ -130,7 +131,12 @@ TEST(Whitted, InAWhiteWorldWhiteThingsCannotBeSeen) {
   plastic.roughness = 0.1f;
   Material pane = glass(1.5f);
   pane.thin_walled = true;
-  for (const Material& material : {lambert({1, 1, 1}), metal, rough_metal, plastic, glass(1.5f), pane}) {
+  Material lacquered = rough_metal, dull = plastic;
+  lacquered.clearcoat = 0.7f;
+  lacquered.clearcoat_roughness = 0.1f;
+  dull.specular = 0.25f;
+  for (const Material& material :
+       {lambert({1, 1, 1}), metal, rough_metal, plastic, glass(1.5f), pane, lacquered, dull}) {
     Shot shot;
     shot.materials = {material};
     shot.lights = {ConstantLight{{1, 2, 4}}};
@@ -140,6 +146,45 @@ TEST(Whitted, InAWhiteWorldWhiteThingsCannotBeSeen) {
       expect_near(colour, {1, 2, 4}, 0.06);  // what is left out is below half a per cent of each reflection
     }
   }
+}
+
+TEST(Whitted, WhatIsUnlitHasItsColourInAnyLightAndGivesNone) {
+  Shot shot = floor_shot();
+  shot.lights = {ConstantLight{{3, 3, 3}}};
+  const Vec3f lit = seen(shot, kDown);
+  shot.materials[0].unlit = true;
+  EXPECT_EQ(seen(shot, kDown), shot.materials[0].base_color);
+  EXPECT_NE(lit, shot.materials[0].base_color);
+  shot.lights.clear();
+  shot.materials.push_back(lambert({1, 1, 1}));
+  shot.materials[1].unlit = true;
+  shot.materials[1].emission = {9, 9, 9};
+  shot.materials[0].unlit = false;
+  Shot with_bulb = shot;
+  with_bulb.meshes.push_back(box({-1, 2, -3}, {1, 3, -1}, 1));
+  shot.materials[1].unlit = false;
+  const Vec3f without = seen(with_bulb, kDown);
+  with_bulb.meshes.pop_back();
+  EXPECT_GT(without.x, 0) << "a scene without light gets some";
+  EXPECT_LE(without.x, seen(with_bulb, kDown).x + 1e-6f) << "the bulb may shade, and does not shine";
+}
+
+TEST(Whitted, ASpecularColourTintsWhatIsReflectedStraightOn) {
+  Material tinted = lambert({0, 0, 0});
+  tinted.roughness = 0;
+  tinted.ior = 1.5f;
+  const Reflectance plain = reflectance(tinted, {{0, 0, 0}, {}, 1, 0, 0}, 1, true);
+  EXPECT_NEAR(plain.mirror.x, 0.04, 1e-6);
+  tinted.specular = 0.5f;
+  tinted.specular_color = {1, 0.5f, 0};
+  const Reflectance straight = reflectance(tinted, {{0, 0, 0}, {}, 1, 0, 0}, 1, true);
+  expect_near(straight.mirror, {0.02f, 0.01f, 0}, 1e-6);
+  const Reflectance along = reflectance(tinted, {{0, 0, 0}, {}, 1, 0, 0}, 0, true);
+  expect_near(along.mirror, {0.5f, 0.5f, 0.5f}, 1e-6);
+  tinted.specular = 0;
+  tinted.clearcoat = 0.5f;
+  expect_near(reflectance(tinted, {{1, 1, 1}, {}, 1, 0, 1}, 1, true).mirror, {0.02f, 0.02f, 0.02f}, 1e-6);
+  expect_near(reflectance(tinted, {{1, 1, 1}, {}, 1, 0, 1}, 1, true).diffuse, {0.98f, 0.98f, 0.98f}, 1e-6);
 }
 
 TEST(Whitted, AMirrorShowsWhatIsInFrontOfIt) {

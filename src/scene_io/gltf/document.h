@@ -45,24 +45,12 @@ struct ImageSource {
   std::vector<uint8_t> bytes;
 };
 
-/// Which texture coordinates the pictures of a material take, and where on them these lie.
-struct TexturePlace {
-  int set = 0;  ///< TEXCOORD_...
-  Vec2d offset{0, 0}, scale{1, 1};
-  double rotation = 0;  ///< radians; applied after the scale and before the offset
-  std::array<TextureWrap, 2> wrap{};
-  friend bool operator==(const TexturePlace&, const TexturePlace&) = default;
-
-  Vec2f apply(Vec2f uv) const;
-};
-
 struct Document {
   std::string name;                               ///< for messages
   tinygltf::Model model;                          ///< without buffers and images, which are below
   std::vector<std::span<const uint8_t>> buffers;  ///< as long as byteLength says
   std::vector<ImageSource> images;
   std::vector<std::vector<uint8_t>> buffer_bytes;  ///< what `buffers` point to, other than a GLB's own chunk
-  std::vector<TexturePlace> texture_places;        ///< [material], by read_materials
   uint64_t memory_left = 0;                        ///< what decoding may still allocate, bytes
 
   /// Throws Error(bad_input, "name: where").

@@ -125,14 +125,17 @@ class SceneReader {
       SceneMesh result;
       result.name = names_.make(name);
       document_.charge(primitive->triangles.size() * (sizeof(Triangle) + sizeof(uint32_t)) +
-                           primitive->uvs.size() * sizeof(Vec2f) + sizeof(SceneMesh),
+                           primitive->positions.size() * (1 + primitive->more_uvs.size()) * sizeof(Vec2f) +
+                           primitive->colors.size() * sizeof(Vec4f) + sizeof(SceneMesh),
                        where);
       result.triangles = primitive->triangles;
       if (motion->mirrors())
         for (Triangle& triangle : result.triangles) std::swap(triangle[1], triangle[2]);
       result.uvs = primitive->uvs;
+      result.more_uvs = primitive->more_uvs;
+      result.colors = primitive->colors;
       result.prim_ids = primitive->prim_ids;
-      result.material = material_of(*primitive, source.mesh);
+      result.material = primitive->material;
       result.motion = motion;
       scene_.meshes.push_back(std::move(result));
     }
@@ -144,8 +147,8 @@ class SceneReader {
     if (is_new) {
       const auto& sources = document_.model.meshes[mesh].primitives;
       for (size_t i = 0; i < sources.size(); ++i)
-        if (auto primitive =
-                read_primitive(document_, sources[i], at("meshes", mesh) + "." + at("primitives", i), warnings_))
+        if (auto primitive = read_primitive(document_, sources[i], scene_.materials,
+                                            at("meshes", mesh) + "." + at("primitives", i), warnings_))
           found->second.push_back(std::move(primitive));
     }
     return found->second;
@@ -166,15 +169,6 @@ class SceneReader {
       document_.fail(where, fmt::format("its mesh uses joint {}, but its skin has {}", primitive.joint_count - 1,
                                         skin->joints.size()));
     return skin;
-  }
-
-  uint32_t material_of(const Primitive& primitive, int mesh) const {
-    const size_t count = document_.model.materials.size();
-    if (primitive.material < 0) return static_cast<uint32_t>(count);  // glTF's default stands behind the others
-    if (static_cast<size_t>(primitive.material) >= count)
-      document_.fail(at("meshes", static_cast<size_t>(mesh)),
-                     fmt::format("names material {}, but there are {}", primitive.material, count));
-    return static_cast<uint32_t>(primitive.material);
   }
 
   void add_camera(int node) {

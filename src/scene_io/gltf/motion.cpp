@@ -83,9 +83,9 @@ std::vector<double> MeshMotion::weights_at(double time, Side side) const {
   return result;
 }
 
-Vec3d MeshMotion::morphed(const std::vector<Vec3f>& base, std::vector<Vec3f> MorphTarget::*part,
-                          const std::vector<double>& weights, size_t v) const {
-  Vec3d result = to_double(base[v]);
+Vec3d MeshMotion::morphed(Vec3f base, std::vector<Vec3f> MorphTarget::*part, const std::vector<double>& weights,
+                          size_t v) const {
+  Vec3d result = to_double(base);
   for (size_t i = 0; i < weights.size(); ++i)
     if (const auto& displacements = primitive_->targets[i].*part; weights[i] != 0 && !displacements.empty())
       result += to_double(displacements[v]) * weights[i];
@@ -108,7 +108,7 @@ void MeshMotion::for_each_vertex(double time, Side side, const Put& put) const {
 void MeshMotion::positions(double time, Side side, std::span<Vec3d> out) const {
   const std::vector<double> weights = weights_at(time, side);
   for_each_vertex(time, side, [&](size_t v, const Mat4& matrix) {
-    out[v] = transform_point(matrix, morphed(primitive_->positions, &MorphTarget::positions, weights, v));
+    out[v] = transform_point(matrix, morphed(primitive_->positions[v], &MorphTarget::positions, weights, v));
   });
 }
 
@@ -123,12 +123,26 @@ void MeshMotion::normals(double time, Side side, std::span<Vec3f> out) const {
   if (!skin_) {  // one matrix for all
     const Mat4 matrix = normal_matrix(graph_->world(node_, time, side));
     for (size_t v = 0; v < vertex_count(); ++v)
-      out[v] = unit(transform_vector(matrix, morphed(primitive_->normals, &MorphTarget::normals, weights, v)) * facing);
+      out[v] =
+          unit(transform_vector(matrix, morphed(primitive_->normals[v], &MorphTarget::normals, weights, v)) * facing);
     return;
   }
   for_each_vertex(time, side, [&](size_t v, const Mat4& matrix) {
-    const Vec3d n = morphed(primitive_->normals, &MorphTarget::normals, weights, v);
+    const Vec3d n = morphed(primitive_->normals[v], &MorphTarget::normals, weights, v);
     out[v] = unit(transform_vector(normal_matrix(matrix), n) * facing);
+  });
+}
+
+/// What lies in the surface goes as the surface goes. Where the mesh is mirrored its normals are turned round, and the
+/// side that is left of them changes.
+void MeshMotion::tangents(double time, Side side, std::span<Vec4f> out) const {
+  const std::vector<double> weights = weights_at(time, side);
+  const float facing = mirrors_ ? -1 : 1;
+  for_each_vertex(time, side, [&](size_t v, const Mat4& matrix) {
+    const Vec4f& base = primitive_->tangents[v];
+    const Vec3d along = morphed({base.x, base.y, base.z}, &MorphTarget::tangents, weights, v);
+    const Vec3f unit = to_float(normalize(transform_vector(matrix, along)));
+    out[v] = {unit.x, unit.y, unit.z, base.w * facing};
   });
 }
 

@@ -41,6 +41,8 @@ class MeshMotion final : public VertexMotion {
   std::vector<double> kinks(double open, double close) const override;
   void positions(double time, Side side, std::span<Vec3d> out) const override;
   void normals(double time, Side side, std::span<Vec3f> out) const override;
+  bool has_tangents() const override { return !primitive_->tangents.empty(); }
+  void tangents(double time, Side side, std::span<Vec4f> out) const override;
 
   /// True when the rest pose mirrors: the triangles are to be turned round.
   bool mirrors() const { return mirrors_; }
@@ -48,9 +50,8 @@ class MeshMotion final : public VertexMotion {
  private:
   std::vector<double> weights_at(double time, Side side) const;
   const Track* moving_weights() const;
-  /// Vertex `v` displaced by the morph targets.
-  Vec3d morphed(const std::vector<Vec3f>& base, std::vector<Vec3f> MorphTarget::*part,
-                const std::vector<double>& weights, size_t v) const;
+  /// `base` of vertex `v`, displaced by the morph targets.
+  Vec3d morphed(Vec3f base, std::vector<Vec3f> MorphTarget::*part, const std::vector<double>& weights, size_t v) const;
   /// Calls put(vertex, matrix) with world from the mesh's own space for every vertex.
   template <class Put>
   void for_each_vertex(double time, Side side, const Put& put) const;

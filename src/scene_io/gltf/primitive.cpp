@@ -2,104 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <optional>
+#include <limits>
 
 #include <fmt/format.h>
 
 #include "scene_io/gltf/accessor.h"
-#include "scene_io/gltf/draco.h"
+#include "scene_io/gltf/attributes.h"
 
 namespace kairos::gltf {
 
 namespace {
-
-constexpr const char* kDraco = "KHR_draco_mesh_compression";
-
-/// Attributes of one primitive, from Draco where it has them and from accessors otherwise.
-class AttributeReader {
- public:
-  AttributeReader(Document& document, const tinygltf::Primitive& source, const std::string& where)
-      : document_(document), source_(source), where_(where) {
-    position_ = &get_accessor(document, source.attributes.at("POSITION"), where + ".attributes.POSITION");
-    if (position_->count > std::numeric_limits<uint32_t>::max())
-      document.fail(at("accessors", static_cast<size_t>(source.attributes.at("POSITION"))),
-                    "has more than 2^32 vertices");
-    if (const auto found = source.extensions.find(kDraco); found != source.extensions.end()) decode(found->second);
-  }
-
-  size_t vertex_count() const { return position_->count; }
-
-  bool has(const std::string& name) const { return source_.attributes.count(name) != 0; }
-
-  /// One element per vertex.
-  std::vector<float> floats(const std::string& name, int components) {
-    const int accessor = checked_accessor(source_.attributes.at(name), name);
-    if (const auto id = draco_ids_.find(name); id != draco_ids_.end())
-      return draco_->floats(document_, id->second, components, get_accessor(document_, accessor, name).normalized);
-    return read_floats(document_, accessor, components, where_ + ".attributes." + printable(name));
-  }
-
-  std::vector<uint32_t> integers(const std::string& name, int components) {
-    if (draco_ids_.count(name)) {
-      const std::vector<float> values = floats(name, components);
-      std::vector<uint32_t> result(values.size());
-      for (size_t i = 0; i < values.size(); ++i) {
-        if (!(values[i] >= 0 && values[i] <= 65535)) document_.fail(where_, "Draco's " + name + " are no joints");
-        result[i] = static_cast<uint32_t>(values[i]);
-      }
-      return result;
-    }
-    return read_integers(document_, checked_accessor(source_.attributes.at(name), name), components,
-                         where_ + ".attributes." + printable(name));
-  }
-
-  std::vector<uint32_t> corners() {
-    if (draco_) return draco_->indices(document_);
-    if (source_.indices >= 0) return read_integers(document_, source_.indices, 1, where_ + ".indices");
-    document_.charge(vertex_count() * sizeof(uint32_t), where_);
-    std::vector<uint32_t> all(vertex_count());
-    std::iota(all.begin(), all.end(), 0u);
-    return all;
-  }
-
-  /// Throws unless the accessor has one element per vertex.
-  int checked_accessor(int accessor, const std::string& name) const {
-    const uint64_t count = get_accessor(document_, accessor, where_ + "." + printable(name)).count;
-    if (count != vertex_count())
-      document_.fail(
-          where_, fmt::format("its {} has {} elements, but POSITION has {}", printable(name), count, vertex_count()));
-    return accessor;
-  }
-
- private:
-  void decode(const tinygltf::Value& extension) {
-    const std::string where = where_ + ".extensions." + kDraco;
-    const bool sound = extension.Has("bufferView") && extension.Get("bufferView").IsInt() &&
-                       extension.Has("attributes") && extension.Get("attributes").IsObject();
-    if (!sound) document_.fail(where, "needs a bufferView and attributes");
-    const tinygltf::Value& attributes = extension.Get("attributes");
-    for (const std::string& name : attributes.Keys()) {
-      const tinygltf::Value& id = attributes.Get(name);
-      if (!id.IsInt() || id.GetNumberAsInt() < 0) document_.fail(where, "its attributes must be ids");
-      draco_ids_[name] = static_cast<uint32_t>(id.GetNumberAsInt());
-    }
-    const int view = extension.Get("bufferView").GetNumberAsInt();
-    if (view < 0 || static_cast<size_t>(view) >= document_.model.bufferViews.size())
-      document_.fail(where, fmt::format("names buffer view {}, which does not exist", view));
-    const uint64_t length = document_.model.bufferViews[static_cast<size_t>(view)].byteLength;
-    const bool is_list = source_.mode == TINYGLTF_MODE_TRIANGLES && source_.indices >= 0;
-    const uint64_t corners = is_list ? get_accessor(document_, source_.indices, where_ + ".indices").count : 0;
-    draco_.emplace(document_, view_bytes(document_, view, 0, length, where), vertex_count(), corners, where);
-  }
-
-  Document& document_;
-  const tinygltf::Primitive& source_;
-  std::string where_;
-  const tinygltf::Accessor* position_;
-  std::optional<DracoMesh> draco_;
-  std::map<std::string, uint32_t> draco_ids_;
-};
 
 std::vector<Vec3f> vectors(const std::vector<float>& flat) {
   std::vector<Vec3f> result(flat.size() / 3);
@@ -127,6 +39,7 @@ void read_targets(Document& document, const tinygltf::Primitive& source, const A
     MorphTarget target;
     target.positions = displacements("POSITION");
     if (!primitive.normals.empty()) target.normals = displacements("NORMAL");
+    if (!primitive.tangents.empty()) target.tangents = displacements("TANGENT");
     primitive.targets.push_back(std::move(target));
   }
 }
@@ -196,17 +109,6 @@ void keep_sound_triangles(std::vector<Triangle> all, const std::string& where, P
     }
 }
 
-void read_uvs(const Document& document, AttributeReader& attributes, Primitive& primitive) {
-  TexturePlace place;
-  if (primitive.material >= 0 && static_cast<size_t>(primitive.material) < document.texture_places.size())
-    place = document.texture_places[static_cast<size_t>(primitive.material)];
-  const std::string name = fmt::format("TEXCOORD_{}", place.set);
-  if (!attributes.has(name)) return;
-  const std::vector<float> flat = attributes.floats(name, 2);
-  primitive.uvs.resize(flat.size() / 2);
-  for (size_t i = 0; i < primitive.uvs.size(); ++i) primitive.uvs[i] = place.apply({flat[2 * i], flat[2 * i + 1]});
-}
-
 }  // namespace
 
 std::vector<Triangle> assemble_triangles(const std::vector<uint32_t>& corners, int mode) {
@@ -226,7 +128,8 @@ std::vector<Triangle> assemble_triangles(const std::vector<uint32_t>& corners, i
 }
 
 std::shared_ptr<const Primitive> read_primitive(Document& document, const tinygltf::Primitive& source,
-                                                const std::string& where, Warnings& warnings) {
+                                                const std::vector<Material>& materials, const std::string& where,
+                                                Warnings& warnings) {
   const int mode = source.mode;
   if (mode < TINYGLTF_MODE_POINTS || mode > TINYGLTF_MODE_TRIANGLE_FAN)
     document.fail(where, fmt::format("has the unknown mode {}", mode));
@@ -239,21 +142,26 @@ std::shared_ptr<const Primitive> read_primitive(Document& document, const tinygl
     return nullptr;
   }
   auto primitive = std::make_shared<Primitive>();
-  primitive->material = source.material;
+  const size_t file_materials = materials.size() - 1;  // glTF's default one stands behind the file's
+  if (source.material >= 0 && static_cast<size_t>(source.material) >= file_materials)
+    document.fail(where, fmt::format("names material {}, but there are {}", source.material, file_materials));
+  primitive->material =
+      static_cast<uint32_t>(source.material < 0 ? file_materials : static_cast<size_t>(source.material));
+  const Material& material = materials[primitive->material];
   AttributeReader attributes(document, source, where);
   const std::vector<uint32_t> corners = attributes.corners();
   document.charge(corners.size() * (sizeof(Triangle) + sizeof(uint32_t)), where);
   // Draco gives a list even where the mode, and the accessor that it stands for, say strip.
-  const bool is_draco = source.extensions.count(kDraco) != 0;
-  const int assembled_as = is_draco ? TINYGLTF_MODE_TRIANGLES : mode;
+  const int assembled_as = attributes.is_draco() ? TINYGLTF_MODE_TRIANGLES : mode;
   if (assembled_as == TINYGLTF_MODE_TRIANGLES && corners.size() % 3 != 0)
     warnings.add(where, "the last triangle of a list lacks corners and is left out");
   primitive->positions = vectors(attributes.floats("POSITION", 3));
   keep_sound_triangles(assemble_triangles(corners, assembled_as), where, *primitive, warnings);
   read_normals(attributes, where, *primitive, warnings);
-  read_uvs(document, attributes, *primitive);
+  read_surface_attributes(attributes, material, where, *primitive, warnings);
   read_targets(document, source, attributes, where, *primitive);
   read_influences(document, attributes, where, *primitive, warnings);
+  add_tangents(document, material, where, *primitive);
   return primitive;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -81,14 +80,16 @@ Material read_material(Document& document, const tinygltf::Material& source, con
     material.metallic_roughness_texture = textures.read(pbr.metallicRoughnessTexture);
   }
   material.emission_texture = textures.read(source.emissiveTexture);
-  material.texture_wrap = textures.place().wrap;
-  document.texture_places.push_back(textures.place());
-  if (source.extensions.count("KHR_materials_unlit") != 0) {  // its colour is what it shines with
-    material.emission = std::exchange(material.base_color, {});
-    material.emission_texture = material.base_color_texture;
+  material.normal_texture = textures.read(source.normalTexture);
+  material.normal_scale = factor(source.normalTexture.scale, -kLargest, kLargest);
+  if (source.extensions.count("KHR_materials_unlit") != 0) {
+    material.unlit = true;
+    material.emission = {};
+    material.emission_texture = {};
     material.metallic = 0;
     material.roughness = 1;
-    material.metallic_roughness_texture.clear();
+    material.metallic_roughness_texture = {};
+    material.normal_texture = {};
   }
   return material;
 }

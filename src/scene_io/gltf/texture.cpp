@@ -11,6 +11,12 @@ namespace {
 
 constexpr double kMostTurns = 1e6;  // radians; beyond, a float's sine is noise
 
+/// Of a placement: within what products of floats can take.
+float coefficient(double value) {
+  constexpr double kMost = 1e18;
+  return static_cast<float>(std::clamp(value, -kMost, kMost));
+}
+
 std::span<const uint8_t> picture_bytes(const Document& document, const ImageSource& source) {
   if (source.buffer_view < 0) return source.bytes;
   const auto index = static_cast<size_t>(source.buffer_view);
@@ -55,48 +61,39 @@ std::vector<double> numbers_in(const tinygltf::Value& object, const char* key, c
 
 /// The extension says that coordinates turn counter-clockwise; with v downwards, as glTF has it, that is this way
 /// round. (The formula in its text turns the other way; viewers and exporters agree on this one.)
-Vec2f TexturePlace::apply(Vec2f uv) const {
-  if (offset == Vec2d{0, 0} && scale == Vec2d{1, 1} && rotation == 0) return uv;
-  const double u = static_cast<double>(uv.x) * scale.x, v = static_cast<double>(uv.y) * scale.y;
-  const double cosine = std::cos(rotation), sine = std::sin(rotation);
-  const Vec2f placed{static_cast<float>(cosine * u + sine * v + offset.x),
-                     static_cast<float>(-sine * u + cosine * v + offset.y)};
-  return std::isfinite(placed.x) && std::isfinite(placed.y) ? placed : Vec2f{};
-}
-
-TexturePlace TextureReader::place_of(const tinygltf::TextureInfo& info, const tinygltf::Texture& texture) {
-  TexturePlace place;
-  place.set = info.texCoord;
-  if (const auto found = info.extensions.find("KHR_texture_transform"); found != info.extensions.end()) {
+void TextureReader::place(int uv_set, const tinygltf::ExtensionMap& extensions, TextureRef& texture) {
+  double wanted_set = uv_set;
+  if (const auto found = extensions.find("KHR_texture_transform"); found != extensions.end()) {
     const tinygltf::Value& transform = found->second;
     const std::vector<double> offset = numbers_in(transform, "offset", {0, 0});
     const std::vector<double> scale = numbers_in(transform, "scale", {1, 1});
-    place.offset = {offset[0], offset[1]};
-    place.scale = {scale[0], scale[1]};
-    place.rotation = std::clamp(number_in(transform, "rotation", 0), -kMostTurns, kMostTurns);
-    constexpr double kMostSets = 1000;
-    place.set = static_cast<int>(std::clamp(number_in(transform, "texCoord", place.set), 0.0, kMostSets));
+    const double rotation = std::clamp(number_in(transform, "rotation", 0), -kMostTurns, kMostTurns);
+    wanted_set = number_in(transform, "texCoord", wanted_set);
+    const double cosine = rotation == 0 ? 1 : std::cos(rotation), sine = rotation == 0 ? 0 : std::sin(rotation);
+    texture.placement = {Vec3f{coefficient(cosine * scale[0]), coefficient(sine * scale[1]), coefficient(offset[0])},
+                         Vec3f{coefficient(-sine * scale[0]), coefficient(cosine * scale[1]), coefficient(offset[1])}};
   }
-  const auto& samplers = document_.model.samplers;
-  if (texture.sampler >= 0 && static_cast<size_t>(texture.sampler) < samplers.size()) {
-    const tinygltf::Sampler& sampler = samplers[static_cast<size_t>(texture.sampler)];
-    place.wrap = {wrap_of(sampler.wrapS), wrap_of(sampler.wrapT)};
+  if (wanted_set >= 0 && wanted_set < kMostUvSets) {
+    texture.uv_set = static_cast<uint32_t>(wanted_set);
+  } else {
+    warnings_.add(where_, fmt::format("textures that take other texture coordinates than sets 0 to {} are left out",
+                                      kMostUvSets - 1));
+    texture.picture.clear();
   }
-  return place;
 }
 
-std::string TextureReader::read(const tinygltf::TextureInfo& info) {
-  if (info.index < 0) return "";
+TextureRef TextureReader::read(int index, int uv_set, const tinygltf::ExtensionMap& extensions) {
+  if (index < 0) return {};
   const auto& textures = document_.model.textures;
-  if (static_cast<size_t>(info.index) >= textures.size())
-    document_.fail(where_, fmt::format("names texture {}, but there are {}", info.index, textures.size()));
-  const tinygltf::Texture& texture = textures[static_cast<size_t>(info.index)];
+  if (static_cast<size_t>(index) >= textures.size())
+    document_.fail(where_, fmt::format("names texture {}, but there are {}", index, textures.size()));
+  const tinygltf::Texture& texture = textures[static_cast<size_t>(index)];
   if (texture.source < 0) {
     warnings_.add(where_, "a texture without an image is left out");
-    return "";
+    return {};
   }
   if (static_cast<size_t>(texture.source) >= document_.images.size())
-    document_.fail(at("textures", static_cast<size_t>(info.index)),
+    document_.fail(at("textures", static_cast<size_t>(index)),
                    fmt::format("names image {}, but there are {}", texture.source, document_.images.size()));
   const ImageSource& source = document_.images[static_cast<size_t>(texture.source)];
   if (source.name.empty()) warnings_.add(where_, "a texture whose image has no source is left out");
@@ -105,23 +102,26 @@ std::string TextureReader::read(const tinygltf::TextureInfo& info) {
     document_.charge(bytes.size(), where_);
     scene_.embedded_pictures.emplace(source.name, std::vector<uint8_t>(bytes.begin(), bytes.end()));
   }
-  const TexturePlace place = place_of(info, texture);
-  if (!place_) place_ = place;
-  if (place != *place_)
-    warnings_.add(where_, "a texture that lies otherwise than its material's first one will be misplaced");
-  return source.name;
+  TextureRef result;
+  result.picture = source.name;
+  const auto& samplers = document_.model.samplers;
+  if (texture.sampler >= 0 && static_cast<size_t>(texture.sampler) < samplers.size()) {
+    const tinygltf::Sampler& sampler = samplers[static_cast<size_t>(texture.sampler)];
+    result.wrap = {wrap_of(sampler.wrapS), wrap_of(sampler.wrapT)};
+  }
+  place(uv_set, extensions, result);
+  return result;
 }
 
-std::string TextureReader::read(const tinygltf::Value& extension, const char* key) {
-  if (!extension.Has(key)) return "";
+TextureRef TextureReader::read(const tinygltf::Value& extension, const char* key) {
+  if (!extension.Has(key)) return {};
   const tinygltf::Value& object = extension.Get(key);
   constexpr double kMost = 1e9;
-  tinygltf::TextureInfo info;
-  info.index = static_cast<int>(std::clamp(number_in(object, "index", -1), -1.0, kMost));
-  info.texCoord = static_cast<int>(std::clamp(number_in(object, "texCoord", 0), 0.0, kMost));
+  tinygltf::ExtensionMap extensions;
   if (object.Has("extensions") && object.Get("extensions").Has("KHR_texture_transform"))
-    info.extensions["KHR_texture_transform"] = object.Get("extensions").Get("KHR_texture_transform");
-  return read(info);
+    extensions["KHR_texture_transform"] = object.Get("extensions").Get("KHR_texture_transform");
+  return read(static_cast<int>(std::clamp(number_in(object, "index", -1), -1.0, kMost)),
+              static_cast<int>(std::clamp(number_in(object, "texCoord", 0), 0.0, kMost)), extensions);
 }
 
 }  // namespace kairos::gltf

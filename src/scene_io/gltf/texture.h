@@ -1,7 +1,6 @@
-// Textures of a glTF document: which picture, and where on it.
+// Textures of a glTF document: which picture, and where it lies.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "scene/scene.h"
@@ -14,27 +13,32 @@ double number_in(const tinygltf::Value& object, const char* key, double otherwis
 /// Numbers of the list `key`, or `otherwise` where there is none of that length.
 std::vector<double> numbers_in(const tinygltf::Value& object, const char* key, const std::vector<double>& otherwise);
 
-/// Reads the textures of one material, which all have to lie in one way: as the first that is read.
+/// So many sets of texture coordinates may a mesh have.
+inline constexpr uint32_t kMostUvSets = 8;
+
+/// Reads the textures of one material.
 class TextureReader {
  public:
   TextureReader(Document& document, std::string where, Scene& scene, Warnings& warnings)
       : document_(document), where_(std::move(where)), scene_(scene), warnings_(warnings) {}
 
-  /// The path or name of the texture's picture, whose bytes join the scene if they are inside the file; empty for none.
-  std::string read(const tinygltf::TextureInfo& info);
+  /// The texture's picture, whose bytes join the scene if they are inside the file, and how it lies; empty for none.
+  /// Info: tinygltf::TextureInfo or one of its kinds for normals and occlusion.
+  template <class Info>
+  TextureRef read(const Info& info) {
+    return read(info.index, info.texCoord, info.extensions);
+  }
   /// The same for a texture that an extension names.
-  std::string read(const tinygltf::Value& extension, const char* key);
-
-  TexturePlace place() const { return place_.value_or(TexturePlace{}); }
+  TextureRef read(const tinygltf::Value& extension, const char* key);
 
  private:
-  TexturePlace place_of(const tinygltf::TextureInfo& info, const tinygltf::Texture& texture);
+  TextureRef read(int index, int uv_set, const tinygltf::ExtensionMap& extensions);
+  void place(int uv_set, const tinygltf::ExtensionMap& extensions, TextureRef& texture);
 
   Document& document_;
   const std::string where_;
   Scene& scene_;
   Warnings& warnings_;
-  std::optional<TexturePlace> place_;
 };
 
 }  // namespace kairos::gltf

@@ -42,12 +42,66 @@ void read_alpha(const JsonNode& node, Material& material) {
   if (cutoff && material.alpha_mode != Mode::mask) cutoff->fail("only the alpha mode 'mask' has a cut-off");
 }
 
+TextureWrap read_wrap(const JsonNode& node) {
+  const std::string name = node.string();
+  if (name != "repeat" && name != "clamp" && name != "mirror")
+    node.fail("unknown wrap '" + printable(name) + "'; expected repeat, clamp or mirror");
+  return name == "repeat" ? TextureWrap::repeat : name == "clamp" ? TextureWrap::clamp : TextureWrap::mirror;
+}
+
+/// A picture's file, or an object that also says how it lies.
+TextureRef read_texture_ref(const JsonNode& node, const std::string& folder) {
+  const auto resolve = [&](const JsonNode& file) { return resolve_inside(folder, file.string(), file.place()); };
+  TextureRef texture;
+  if (!node.is_object()) {
+    texture.picture = resolve(node);
+    return texture;
+  }
+  constexpr int kMostUvSets = 8;
+  constexpr double kMost = 1e6;
+  node.expect_fields({"file", "uv_set", "placement", "wrap"});
+  texture.picture = resolve(node.at("file"));
+  if (const auto set = node.find("uv_set")) texture.uv_set = static_cast<uint32_t>(set->integer(0, kMostUvSets - 1));
+  if (const auto placement = node.find("placement")) {
+    const std::vector<JsonNode> numbers = placement->items(6);
+    for (size_t row = 0; row < 2; ++row)
+      for (size_t column = 0; column < 3; ++column)
+        texture.placement[row][static_cast<int>(column)] =
+            static_cast<float>(numbers[3 * row + column].number(-kMost, kMost));
+  }
+  if (const auto wrap = node.find("wrap")) {
+    const std::vector<JsonNode> both = wrap->items(2);
+    texture.wrap = {read_wrap(both[0]), read_wrap(both[1])};
+  }
+  return texture;
+}
+
+constexpr double kSteepest = 1000;  // of normals in a picture
+
 }  // namespace
 
 Material read_material(const std::string& name, const JsonNode& node, const std::string& folder) {
-  node.expect_fields({"base_color", "base_color_texture", "emission", "emission_texture", "metallic", "roughness",
-                      "metallic_roughness_texture", "transmission", "ior", "alpha_mode", "alpha", "alpha_texture",
-                      "alpha_cutoff", "double_sided"});
+  node.expect_fields({"base_color",
+                      "base_color_texture",
+                      "emission",
+                      "emission_texture",
+                      "metallic",
+                      "roughness",
+                      "metallic_roughness_texture",
+                      "transmission",
+                      "ior",
+                      "alpha_mode",
+                      "alpha",
+                      "alpha_texture",
+                      "alpha_cutoff",
+                      "double_sided",
+                      "normal_texture",
+                      "normal_scale",
+                      "specular",
+                      "specular_color",
+                      "clearcoat",
+                      "clearcoat_roughness",
+                      "unlit"});
   Material material;
   material.name = name;
   read_if(node, "base_color", material.base_color);
@@ -56,8 +110,14 @@ Material read_material(const std::string& name, const JsonNode& node, const std:
   read_if(node, "roughness", material.roughness, 0, 1);
   read_if(node, "transmission", material.transmission, 0, 1);
   read_if(node, "ior", material.ior, 1, 100);
-  const auto read_texture = [&](const char* field, std::string& out) {
-    if (const auto texture = node.find(field)) out = resolve_inside(folder, texture->string(), texture->place());
+  read_if(node, "specular", material.specular, 0, 1);
+  read_if(node, "specular_color", material.specular_color);
+  read_if(node, "clearcoat", material.clearcoat, 0, 1);
+  read_if(node, "clearcoat_roughness", material.clearcoat_roughness, 0, 1);
+  read_if(node, "normal_scale", material.normal_scale, -kSteepest, kSteepest);
+  if (const auto unlit = node.find("unlit")) material.unlit = unlit->boolean();
+  const auto read_texture = [&](const char* field, TextureRef& out) {
+    if (const auto texture = node.find(field)) out = read_texture_ref(*texture, folder);
   };
   read_texture("base_color_texture", material.base_color_texture);
   read_texture("emission_texture", material.emission_texture);
@@ -65,6 +125,7 @@ Material read_material(const std::string& name, const JsonNode& node, const std:
   read_alpha(node, material);
   if (const auto sides = node.find("double_sided")) material.double_sided = sides->boolean();
   read_texture("alpha_texture", material.alpha_texture);
+  read_texture("normal_texture", material.normal_texture);
   return material;
 }
 

@@ -44,7 +44,7 @@ struct Statements {
   std::optional<float> roughness;
   int model = 2;  ///< illum: 0 and 1 have no highlights, 6 and 7 refract
   float ior = 1.5f;
-  std::string opacity_picture, metallic_picture;
+  TextureRef opacity_picture;
 };
 
 bool is_black(Vec3f color) { return color.x == 0 && color.y == 0 && color.z == 0; }
@@ -84,7 +84,7 @@ Material make_material(const Statements& said) {
   if (!said.opacity_picture.empty() && material.transmission == 0) {
     if (material.alpha_mode == Material::AlphaMode::opaque) material.alpha_mode = Material::AlphaMode::mask;
     // The same picture as the colour's holds opacity in its alpha.
-    if (said.opacity_picture != material.base_color_texture) material.alpha_texture = said.opacity_picture;
+    if (said.opacity_picture.picture != material.base_color_texture.picture) material.alpha_texture = said.opacity_picture;
   }
   return material;
 }
@@ -191,17 +191,19 @@ class MtlParser {
     const auto path = find_named(std::string(trimmed(rest)), folder_, place(), warnings_);
     if (!path) return true;
     Material& material = said_->material;
-    if (clamps) material.texture_wrap = {TextureWrap::clamp, TextureWrap::clamp};
+    TextureRef texture;
+    texture.picture = *path;
+    if (clamps) texture.wrap = {TextureWrap::clamp, TextureWrap::clamp};
     if (keyword == "map_Kd") {
-      material.base_color_texture = *path;
+      material.base_color_texture = texture;
     } else if (keyword == "map_d") {
-      said_->opacity_picture = *path;
+      said_->opacity_picture = texture;
     } else if (keyword == "map_Ke") {
-      material.emission_texture = *path;
+      material.emission_texture = texture;
       if (is_black(material.emission)) material.emission = {1, 1, 1};
-    } else if (material.metallic_roughness_texture.empty() || material.metallic_roughness_texture == *path) {
+    } else if (material.metallic_roughness_texture.empty() || material.metallic_roughness_texture.picture == *path) {
       // Roughness is read from green and metalness from blue; a grey picture has either in both.
-      material.metallic_roughness_texture = *path;
+      material.metallic_roughness_texture = texture;
       if (keyword == "map_Pm" && material.metallic == 0) material.metallic = 1;
     } else {
       warnings_.add(place(), "pictures of roughness and metalness that are not the same: the first counts");

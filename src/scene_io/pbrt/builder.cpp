@@ -167,8 +167,9 @@ uint32_t Builder::material_index(const Alpha& alpha) {
   material.emission = emission;
   if (!alpha.image.empty()) {
     if (material.alpha_mode == Material::AlphaMode::opaque) material.alpha_mode = Material::AlphaMode::mask;
-    material.alpha_texture = alpha.image;
-    if (material.base_color_texture.empty()) material.texture_wrap = {alpha.map.wrap, alpha.map.wrap};
+    material.alpha_texture.picture = alpha.image;
+    material.alpha_texture.wrap = material.base_color_texture.empty() ? std::array{alpha.map.wrap, alpha.map.wrap}
+                                                                      : material.base_color_texture.wrap;
   } else if (alpha.value < 1) {
     material.alpha_mode = Material::AlphaMode::blend;
     material.alpha *= static_cast<float>(alpha.value);

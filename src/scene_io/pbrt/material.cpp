@@ -33,9 +33,9 @@ Surface Materials::none_given() {
 
 void Materials::set_base(Surface& surface, const Texture& texture) {
   surface.material.base_color = {unit(texture.factor.x), unit(texture.factor.y), unit(texture.factor.z)};
-  surface.material.base_color_texture = texture.image;
+  surface.material.base_color_texture.picture = texture.image;
   surface.map = texture.map;
-  surface.material.texture_wrap = {texture.map.wrap, texture.map.wrap};
+  surface.material.base_color_texture.wrap = {texture.map.wrap, texture.map.wrap};
 }
 
 double Materials::roughness(const Parameters& parameters, double otherwise, bool v3) {
