@@ -36,6 +36,54 @@ std::vector<std::string_view> split(const std::string& option, std::string_view 
 
 namespace {
 
+/// Without what it ends with; false where it does not.
+bool take_suffix(std::string_view& text, std::string_view suffix) {
+  if (!text.ends_with(suffix)) return false;
+  text.remove_suffix(suffix.size());
+  return true;
+}
+
+}  // namespace
+
+Duration parse_duration(const std::string& option, std::string_view text) {
+  std::string_view number = text;
+  if (const size_t slash = text.find('/'); slash != text.npos) {
+    number = text.substr(slash + 1);
+    const bool seconds = take_suffix(number, "s");
+    const double over = parse_real(option, text.substr(0, slash)), under = parse_real(option, number);
+    if (!seconds || !(under > 0))
+      throw CLI::ValidationError(option, fmt::format("'{}' is not of the form 1/250s", text));
+    return {over / under, true};
+  }
+  if (take_suffix(number, "deg")) return {parse_real(option, number) / 360, false};
+  if (take_suffix(number, "%")) return {parse_real(option, number) / 100, false};
+  if (take_suffix(number, "f")) return {parse_real(option, number), false};
+  constexpr std::array<std::pair<std::string_view, double>, 4> kUnits{
+      {{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}, {"s", 1}}};
+  for (const auto& [unit, scale] : kUnits)
+    if (take_suffix(number, unit)) return {parse_real(option, number) * scale, true};
+  return {parse_real(option, number), false};
+}
+
+namespace {
+
+ShutterInterval parse_shutter(const std::string& option, std::string_view text) {
+  ShutterInterval interval;
+  if (text.find(',') != text.npos) {
+    const auto parts = split(option, text, ',', 2, "OPEN,CLOSE");
+    interval.open = parse_duration(option, parts[0]);
+    interval.close = parse_duration(option, parts[1]);
+    if (interval.open.seconds == interval.close.seconds && interval.open.value > interval.close.value)
+      throw CLI::ValidationError(option, "closes before it opens; give OPEN <= CLOSE");
+    return interval;
+  }
+  const size_t at = text.find('@');
+  interval.length = parse_duration(option, text.substr(0, at));
+  if (at != text.npos) interval.open = parse_duration(option, text.substr(at + 1));
+  if (interval.length->value < 0) throw CLI::ValidationError(option, "has a negative length; give LENGTH@OPEN");
+  return interval;
+}
+
 void add_real(CLI::App& app, const std::string& name, const std::string& help, const std::string& type,
               const std::function<void(double)>& set) {
   app.add_option_function<std::string>(
@@ -63,15 +111,10 @@ void add_scene_arguments(CLI::App& app, SceneArguments& out) {
     out.shot.fps = v;
   });
   app.add_option_function<std::string>(
-         "--shutter",
-         [&](const std::string& text) {
-           const auto parts = split("--shutter", text, ',', 2, "OPEN,CLOSE");
-           const double open = parse_real("--shutter", parts[0]), close = parse_real("--shutter", parts[1]);
-           if (open > close) throw CLI::ValidationError("--shutter", "closes before it opens; give OPEN <= CLOSE");
-           out.shot.shutter = {open, close};
-         },
-         "When the shutter opens and closes, in frames")
-      ->type_name("OPEN,CLOSE");
+         "--shutter", [&](const std::string& text) { out.shutter = parse_shutter("--shutter", text); },
+         "When the shutter opens and closes, or for how long it is open, in frames; or with a unit: f, s, ms, us, ns, "
+         "deg, %, or 1/250s")
+      ->type_name("OPEN,CLOSE|LENGTH[@OPEN]");
   app.add_option_function<std::string>(
          "--size",
          [&](const std::string& text) {
@@ -90,6 +133,12 @@ void add_scene_arguments(CLI::App& app, SceneArguments& out) {
            });
   add_count(app, "--threads", out.threads, 0, 1024, "Threads; 0: as many as the machine has")
       ->each([&out](const std::string&) { out.load.threads = out.shot.threads = out.threads; });
+}
+
+ShotOptions shot_options(const SceneArguments& arguments, const Scene& scene) {
+  ShotOptions options = arguments.shot;
+  if (arguments.shutter) options.shutter = arguments.shutter->in_frames(options.fps.value_or(contents(scene).fps));
+  return options;
 }
 
 void add_instruction_set(CLI::App& app, std::optional<InstructionSet>& out) {

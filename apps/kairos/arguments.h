@@ -1,6 +1,7 @@
 // Reading and checking what is on the command line.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -67,14 +68,41 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, Enum& out, const
       ->default_str(std::string(to_string(out)));
 }
 
+/// A time, or a length of time, in frames or in seconds.
+struct Duration {
+  double value = 0;
+  bool seconds = false;
+
+  double in_seconds(double fps) const { return seconds ? value : value / fps; }
+  double in_frames(double fps) const { return seconds ? value * fps : value; }
+};
+/// A number with one of the units f (frames), s, ms, us, ns, deg (360 are a frame) and % (of a frame), or A/Bs; without
+/// a unit: frames.
+Duration parse_duration(const std::string& option, std::string_view text);
+
+/// What OPEN,CLOSE or LENGTH or LENGTH@OPEN say, from the frame's time.
+struct ShutterInterval {
+  Duration open, close;            ///< close: where there is no length
+  std::optional<Duration> length;  ///< of the exposure
+
+  bool in_seconds() const { return open.seconds || (length ? length->seconds : close.seconds); }
+  std::array<double, 2> in_frames(double fps) const {
+    const double first = open.in_frames(fps);
+    return {first, length ? first + length->in_frames(fps) : close.in_frames(fps)};
+  }
+};
+
 /// Which scene, and which stretch of its time: what every subcommand asks.
 struct SceneArguments {
   std::vector<std::string> paths;
   LoadOptions load;
-  ShotOptions shot;
+  ShotOptions shot;                        ///< without `shutter`
+  std::optional<ShutterInterval> shutter;  ///< --shutter
   int threads = 0;
 };
 void add_scene_arguments(CLI::App& app, SceneArguments& out);
+/// With times in the scene's own frames.
+ShotOptions shot_options(const SceneArguments& arguments, const Scene& scene);
 
 void add_instruction_set(CLI::App& app, std::optional<InstructionSet>& out);
 

@@ -38,7 +38,7 @@ void run_calibrate(const CalibrateArguments& arguments) {
   const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
   if (!arguments.quiet)
     for (const std::string& warning : contents(*scene).warnings) fmt::print(stderr, "warning: {}\n", warning);
-  const Shot shot = make_shot(*scene, arguments.scene.shot);
+  const Shot shot = make_shot(*scene, shot_options(arguments.scene, *scene));
   const CalibrationFile result{measure(shot, arguments.params), arguments.params.shading};
   write_calibration(result, arguments.out);
   if (arguments.quiet) return;

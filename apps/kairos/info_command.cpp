@@ -97,7 +97,7 @@ void print_text(const SceneContents& scene, const Shot& shot, double seconds) {
 void run_info(const InfoArguments& arguments) {
   const Stopwatch loading;
   const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
-  const Shot shot = make_shot(*scene, arguments.scene.shot);
+  const Shot shot = make_shot(*scene, shot_options(arguments.scene, *scene));
   const double seconds = loading.seconds();
   const SceneContents held = contents(*scene);
   if (arguments.json)

@@ -19,15 +19,20 @@ namespace {
 // Writes a record. "{}" of a float: the shortest text that reads back as the same number.
 class RecordText : public PixelConsumer {
  public:
-  explicit RecordText(const Shot& shot) : shot_(shot) {}
+  RecordText(const Shot& shot, const std::optional<Exposure>& exposure) : shot_(shot), exposure_(exposure) {}
 
-  RecordNeeds needs() const override { return {}; }
+  RecordNeeds needs() const override {
+    const bool constant = !exposure_ || exposure_->shutter().curve.is_box();
+    return {constant ? RecordNeeds::Time::box : RecordNeeds::Time::curves, false, false};
+  }
 
   void add(const PixelRecord& record) override {
-    say("{{\n  \"pixel\": [{}, {}],\n  \"moves\": {},\n  \"plan\": {{\"tc_rays\": {}, \"discrete\": {}}},\n", record.x,
-        record.y, record.moves, record.plan.tc_rays, record.plan.discrete);
+    say("{{\n  \"pixel\": [{}, {}],\n  \"window\": [{}, {}],\n  \"moves\": {},\n  \"plan\": {{\"tc_rays\": {}, "
+        "\"discrete\": {}}},\n",
+        record.x, record.y, record.window.begin, record.window.end, record.moves, record.plan.tc_rays,
+        record.plan.discrete);
     say("  \"background\": {},\n  \"colour\": {},\n  \"rays\": ", colour(record.background),
-        colour(reduce(record).colour));
+        colour(reduce(record, weight(record)).colour));
     rays(record, record.rays);
     say(",\n  \"still\": ");
     if (record.still.rays.empty()) {
@@ -38,6 +43,10 @@ class RecordText : public PixelConsumer {
       say("}}");
     }
     say("\n}}\n");
+  }
+
+  TimeWeight weight(const PixelRecord& record) const {
+    return exposure_ ? exposure_->weight(record.x, record.y) : TimeWeight();
   }
 
   std::string_view text() const { return {text_.data(), text_.size()}; }
@@ -86,6 +95,7 @@ class RecordText : public PixelConsumer {
   }
 
   const Shot& shot_;
+  std::optional<Exposure> exposure_;
   fmt::memory_buffer text_;
 };
 
@@ -94,7 +104,9 @@ class RecordText : public PixelConsumer {
 void run_pixel_query(const SceneArguments& scene_arguments, SamplingArguments sampling, std::array<int, 2> pixel) {
   read_calibration_into(sampling);
   const auto scene = load_scene(scene_arguments.paths, scene_arguments.load);
-  const Shot shot = make_shot(*scene, scene_arguments.shot);
+  const ExposedShot exposed = exposed_shot(scene_arguments, sampling.exposure, *scene);
+  const Shot shot = make_shot(*scene, exposed.options);
+  sampling.params.exposure = exposed.exposure(shot);
   const auto [x, y] = pixel;
   if (x >= shot.projection.width || y >= shot.projection.height)
     throw Error(ErrorCode::bad_usage, "--pixel",
@@ -102,7 +114,7 @@ void run_pixel_query(const SceneArguments& scene_arguments, SamplingArguments sa
                             shot.projection.height));
   sampling.params.crop = Crop{x, x + 1, y, y + 1};
   sampling.params.threads = scene_arguments.threads;
-  RecordText text(shot);
+  RecordText text(shot, sampling.params.exposure);
   PixelConsumer* const consumer = &text;
   Renderer(shot).render(sampling.params, {&consumer, 1});
   const std::string_view said = text.text();

@@ -155,7 +155,7 @@ void run_query(QueryArguments arguments) {
   const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
   for (const std::string& warning : contents(*scene).warnings) std::cerr << "warning: " << warning << '\n';
   arguments.scene.shot.space = ShotOptions::Space::world;
-  const Shot shot = make_shot(*scene, arguments.scene.shot);
+  const Shot shot = make_shot(*scene, shot_options(arguments.scene, *scene));
   Answerer answerer(shot, arguments);
   std::ios::sync_with_stdio(false);  // else standard input does not say how much of it is at hand
   RayReader reader(standard_input ? std::cin : file, standard_input ? "standard input" : arguments.rays);
@@ -202,6 +202,7 @@ void add_query_command(CLI::App& app, Action& chosen) {
   add("--window", "BEGIN,END", read_window, "Only this part of the shutter, 0 to 1");
   add("--max-dist", "DIST", read_max_dist, "Only up to this distance, in units of the direction's length");
   const std::vector<CLI::Option*> of_rays = command.get_options();
+  add_exposure_options(command, arguments->sampling.exposure);
   add_sampling_options(command, arguments->sampling);
   command.callback([arguments, &chosen, &command, of_rays] {
     check_belong_together(command, of_rays, arguments->pixel.has_value());

@@ -43,19 +43,19 @@ uint64_t total_rays(const RenderParams& params, const Shot& shot) {
          static_cast<uint64_t>(per_pixel);
 }
 
-Image render_with_progress(const RenderArguments& arguments, const Shot& shot, RenderStats& stats) {
+Image render_with_progress(const RenderArguments& arguments, const Shot& shot, const RenderParams& params,
+                           RenderStats& stats) {
   std::unique_ptr<ProgressBar> bar;
   bool polling = false;
   const auto progress = [&](double fraction) {
     if (!polling) begin_polling();  // rendering has begun: before, a signal ends the program at once
     polling = true;
-    if (!bar && !arguments.quiet)
-      bar = std::make_unique<ProgressBar>(static_cast<double>(total_rays(arguments.sampling.params, shot)));
+    if (!bar && !arguments.quiet) bar = std::make_unique<ProgressBar>(static_cast<double>(total_rays(params, shot)));
     if (bar) bar->update(fraction);
     return !interrupted();
   };
   try {
-    Image image = render(shot, arguments.sampling.params, &stats, progress);
+    Image image = render(shot, params, &stats, progress);
     end_polling();
     if (!interrupted()) return image;
   } catch (const Error& e) {
@@ -75,8 +75,11 @@ std::string mark_of(const RenderArguments& arguments) {
   if (!arguments.frames) return "";
   std::vector<std::string> files = arguments.scene.paths;
   if (arguments.sampling.calibration != kDefaultCalibration) files.push_back(arguments.sampling.calibration);
-  return frame_mark(*arguments.command,
-                    {"SCENE", "--output", "--frames", "--stats-file", "--calibration", "--threads", "--quiet"}, files);
+  if (!arguments.sampling.exposure.map.empty()) files.push_back(arguments.sampling.exposure.map);
+  return frame_mark(
+      *arguments.command,
+      {"SCENE", "--output", "--frames", "--stats-file", "--calibration", "--interval-map", "--threads", "--quiet"},
+      files);
 }
 
 /// The pictures that are not there yet. Throws Error(bad_input) where there is one of another sequence: frames that
@@ -108,16 +111,22 @@ std::vector<Job> jobs_of(const RenderArguments& arguments, const std::string& ma
 void render_job(const RenderArguments& arguments, const Job& job, const std::string& mark, const Scene& scene,
                 Timings timings, std::set<std::string>& told) {
   const Stopwatch reducing;
-  const Shot shot = make_shot(scene, job.shot);
+  SceneArguments of_job = arguments.scene;
+  of_job.shot = job.shot;
+  const ExposedShot exposed = exposed_shot(of_job, arguments.sampling.exposure, scene);
+  const Shot shot = make_shot(scene, exposed.options);
+  RenderParams params = arguments.sampling.params;
+  params.exposure = exposed.exposure(shot);
   timings.shot = reducing.seconds();
   log(arguments, fmt::format("loaded {} meshes, {} triangles in {:.2f} s; {}x{} pixels, shutter {} to {}",
                              shot.meshes.size(), triangle_count(shot.meshes), timings.load + timings.shot,
                              shot.projection.width, shot.projection.height, shot.shutter_open, shot.shutter_close));
+  if (exposed.shutter) log(arguments, shutter_text(*exposed.shutter, shot.projection.width, shot.projection.height));
   for (const std::string& note : shot.notes)
     if (told.insert(note).second) log(arguments, "note: " + note);
 
   RenderStats stats;
-  Image image = render_with_progress(arguments, shot, stats);
+  Image image = render_with_progress(arguments, shot, params, stats);
   log(arguments,
       fmt::format("built in {:.2f} s, rendered {} rays in {:.2f} s ({}rays/s) on {} threads, {}", stats.build_seconds,
                   stats.rays, stats.render_seconds, with_unit(static_cast<double>(stats.rays) / stats.render_seconds),
@@ -131,7 +140,7 @@ void render_job(const RenderArguments& arguments, const Job& job, const std::str
   write_interruptibly(image, job.out, arguments.write);
   timings.write = writing.seconds();
   if (!job.stats_file.empty()) {
-    write_file(job.stats_file, stats_text(arguments.sampling.params, shot, stats, timings));
+    write_file(job.stats_file, stats_text(params, shot, stats, timings));
   }
 }
 
@@ -204,6 +213,7 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
   arguments->command = &command;
   add_scene_arguments(command, arguments->scene);
   add_picture_options(command, *arguments);
+  add_exposure_options(command, arguments->sampling.exposure);
   add_sampling_options(command, arguments->sampling);
   command.add_option("--stats-file", arguments->stats_file, "Write times, memory and counters to this JSON file")
       ->type_name("F.json");

@@ -49,6 +49,20 @@ std::string stats_text(const RenderParams& params, const Shot& shot, const Rende
   json["integrator"] = to_string(params.integrator);
   json["samples"] = tc ? params.tc_rays : params.spp;
   json["seed"] = params.seed;
+  json["shutter"] = {shot.shutter_open, shot.shutter_close};
+  if (params.exposure) {
+    const Shutter& shutter = params.exposure->shutter();
+    nlohmann::ordered_json& exposure = json["exposure"];  // seconds
+    exposure["frame_time"] = params.exposure->frame_time();
+    exposure["interval"] = {shutter.open, shutter.close};
+    exposure["line_times"] = {shutter.open_line, shutter.close_line};
+    exposure["scan"] = to_string(shutter.scan);
+    exposure["first_line"] = shutter.first_line;
+    exposure["normalise"] = to_string(shutter.normalise);
+    exposure["map"] = shutter.map != nullptr;
+    for (const TimeWeight::Point& point : shutter.curve.points())
+      exposure["curve"].push_back({point.time, point.weight});
+  }
   if (stats.prices) {
     nlohmann::ordered_json& chosen = json["auto"];
     chosen["calibration"] = params.calibration ? "measured" : "default";

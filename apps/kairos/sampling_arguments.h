@@ -6,6 +6,7 @@
 #include <kairos/render.h>
 
 #include "arguments.h"
+#include "shutter_arguments.h"
 
 namespace kairos::cli {
 
@@ -13,6 +14,7 @@ inline constexpr const char* kDefaultCalibration = "default";
 
 struct SamplingArguments {
   RenderParams params;
+  ExposureArguments exposure;
   std::string calibration = kDefaultCalibration;  ///< or a file
 };
 void add_sampling_options(CLI::App& app, SamplingArguments& out);

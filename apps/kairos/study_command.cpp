@@ -187,6 +187,11 @@ void add_study_command(CLI::App& app, Action& chosen, const std::string& command
     o.scenes = arguments->scene.paths;
     o.load = arguments->scene.load;
     o.shot = arguments->scene.shot;
+    if (const std::optional<ShutterInterval>& shutter = arguments->scene.shutter) {
+      if (shutter->in_seconds() && !o.shot.fps)
+        throw CLI::ValidationError("--shutter", "is given in seconds: say with --fps how many frames they are");
+      o.shot.shutter = shutter->in_frames(o.shot.fps.value_or(1));
+    }
     o.shot.strict = o.load.strict;
     o.threads = arguments->scene.threads;
     // Threads that wait for each other use no processor, and yet take time.

@@ -50,6 +50,12 @@ inline constexpr auto kNames<Aov> = std::to_array<Named<Aov>>({{"depth", Aov::de
                                                                {"segments", Aov::segments},
                                                                {"mesh", Aov::mesh}});
 template <>
+inline constexpr auto kNames<Scan> = std::to_array<Named<Scan>>(
+    {{"top", Scan::top}, {"bottom", Scan::bottom}, {"left", Scan::left}, {"right", Scan::right}});
+template <>
+inline constexpr auto kNames<Normalise> = std::to_array<Named<Normalise>>({{"mean", Normalise::mean},
+                                                                           {"energy", Normalise::energy}});
+template <>
 inline constexpr auto kNames<InstructionSet> = std::to_array<Named<InstructionSet>>({{"scalar", InstructionSet::scalar},
                                                                                      {"sse4", InstructionSet::sse4},
                                                                                      {"avx2", InstructionSet::avx2},

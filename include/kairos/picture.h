@@ -27,8 +27,9 @@ KAIROS_API PixelMeans reduce(const PixelRecord& record, const TimeWeight& weight
 /// A picture under any weight of time. The channels are those of RenderParams::aovs beside the colour.
 class KAIROS_API Picture : public PixelConsumer {
  public:
-  /// Of the frame, or of the crop inside of it that `params` names. Under another weight than a box it needs curves.
-  /// Throws Error(bad_usage) for an AOV named twice and a crop that is not in the frame.
+  /// Of the frame, or of the crop inside of it that `params` names; each pixel under its weight of `params.exposure`,
+  /// if there is one, else under `weight`. Where a weight is not constant it needs curves. Throws Error(bad_usage) for
+  /// an AOV named twice, a crop that is not in the frame, and two weights.
   Picture(const Projection& frame, const RenderParams& params, TimeWeight weight = {});
 
   RecordNeeds needs() const override;
@@ -40,6 +41,7 @@ class KAIROS_API Picture : public PixelConsumer {
  private:
   std::vector<Aov> aovs_;
   TimeWeight weight_;
+  std::optional<Exposure> exposure_;
   Image image_;
 };
 

@@ -40,10 +40,11 @@ struct SeenPart {
 struct PixelRay {
   Vec2f film;         ///< pixels from the pixel's upper left corner; filters reach beyond the pixel
   float weight = 1;   ///< relative to the pixel's other rays
-  float time = kAll;  ///< shutter time of a ray of one instant; NaN: it holds for all of the shutter
+  float time = kAll;  ///< shutter time of a ray of one instant; NaN: it holds for all of the record's window
   /// Of PixelRecord::parts; in time order, disjoint but for layers; where there is none, the background is seen.
   uint32_t first_part = 0, parts = 0;
   uint32_t visibility_segments = 0;  ///< of which the parts may be parts
+  float density = 1;  ///< of a ray of one instant: how densely such rays lie there, relative to evenly over the shutter
 
   static constexpr float kAll = std::numeric_limits<float>::quiet_NaN();
   bool is_over_time() const { return std::isnan(time); }
@@ -70,6 +71,7 @@ struct PixelRecord {
   int x = 0, y = 0;   ///< in the full frame
   bool moves = true;  ///< may anything move in it? Not known of rays of one kind: then true
   PixelPlan plan;     ///< what the integrator meant to take
+  TimeRange window;   ///< shutter time in which the pixel is exposed: RenderParams::exposure; its rays know no other
   Vec3f background;   ///< the colour where rays see nothing
   std::span<const PixelRay> rays;
   std::span<const SeenPart> parts;

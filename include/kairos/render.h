@@ -13,6 +13,7 @@
 #include <kairos/image.h>
 #include <kairos/record.h>
 #include <kairos/scene.h>
+#include <kairos/shutter.h>
 #include <kairos/tracer.h>
 
 namespace kairos {
@@ -111,6 +112,9 @@ struct RenderParams {
   int max_depth = 8;  ///< whitted: how often a ray may be reflected or refracted, 0 to 64
   FilterKind filter = FilterKind::box;
   std::vector<Aov> aovs;
+  /// When each pixel is exposed while the shutter is open, and how much each of its instants counts. Rays look at that
+  /// time alone. Made for this shot and its frame; its curve is nowhere negative. Unset: every pixel all the time.
+  std::optional<Exposure> exposure;
   std::optional<Crop> crop;  ///< unset: the whole frame; its pixels are those of the whole frame, bit for bit
   uint64_t seed = 0;
   int threads = 0;  ///< 0: as many as the machine has; no effect on the picture. Pictures rendered at the same time do

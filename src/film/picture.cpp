@@ -34,7 +34,9 @@ ChannelNames channels_of(Aov aov) {
 }  // namespace
 
 Picture::Picture(const Projection& frame, const RenderParams& params, TimeWeight weight)
-    : aovs_(params.aovs), weight_(std::move(weight)) {
+    : aovs_(params.aovs), weight_(std::move(weight)), exposure_(params.exposure) {
+  if (exposure_ && !weight_.is_box())
+    throw Error(ErrorCode::bad_usage, "", "a picture takes an exposure or a weight of time, not both");
   const Crop crop = params.crop.value_or(Crop{0, frame.width, 0, frame.height});
   if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > frame.width || crop.y1 > frame.height || crop.x0 >= crop.x1 ||
       crop.y0 >= crop.y1)
@@ -59,13 +61,13 @@ Picture::Picture(const Projection& frame, const RenderParams& params, TimeWeight
 
 RecordNeeds Picture::needs() const {
   const auto shows = [&](Aov aov) { return std::find(aovs_.begin(), aovs_.end(), aov) != aovs_.end(); };
-  return {weight_.is_box() ? RecordNeeds::Time::box : RecordNeeds::Time::curves, shows(Aov::normal),
-          shows(Aov::albedo)};
+  const bool constant = weight_.is_box() && (!exposure_ || exposure_->shutter().curve.is_box());
+  return {constant ? RecordNeeds::Time::box : RecordNeeds::Time::curves, shows(Aov::normal), shows(Aov::albedo)};
 }
 
 void Picture::add(const PixelRecord& record) {
   const bool count_meshes = std::find(aovs_.begin(), aovs_.end(), Aov::mesh) != aovs_.end();
-  const PixelMeans means = reduce(record, weight_, count_meshes);
+  const PixelMeans means = reduce(record, exposure_ ? exposure_->weight(record.x, record.y) : weight_, count_meshes);
   const size_t pixel = static_cast<size_t>(record.y - image_.top) * static_cast<size_t>(image_.width) +
                        static_cast<size_t>(record.x - image_.left);
   size_t channel = 0;

@@ -46,7 +46,7 @@ class Sums {
 
   void add(const PixelRay& ray) {
     const bool over_time = ray.is_over_time();
-    const double instant = over_time ? 0 : weight_.at(ray.time);
+    const double instant = over_time ? 0 : weight_.at(ray.time) / static_cast<double>(ray.density);
     const auto scale = static_cast<double>(ray.weight);
     const std::span<const SeenPart> parts = record_.parts_of(ray);
     double filled = 0;

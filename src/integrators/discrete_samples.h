@@ -37,6 +37,7 @@ class DiscreteSamples {
   /// scene together.
   void take(int x, int y, const Sampler::Pixel& pixel, uint32_t begin, uint32_t end, DiscreteLayer layer,
             RecordBuilder& out, Monitor& monitor) {
+    const PixelTimes times = context_.times(x, y);
     while (begin < end) {
       monitor.poll();
       const uint32_t size = std::min(kRaysPerPoll, end - begin);
@@ -44,7 +45,7 @@ class DiscreteSamples {
         const SamplePoint point = context_.sampler.point(pixel, begin + i);
         rays_[i] = context_.ray(x, y, point);
         film_[i] = context_.film(point);
-        times_[i] = point.time;
+        times_[i] = times.instant(point.time);
       }
       scene_.intersect(std::span(rays_).first(size), std::span(times_).first(size), std::span(hits_).first(size),
                        layer);
@@ -52,7 +53,7 @@ class DiscreteSamples {
       for (uint32_t i = 0; i < size; ++i) {
         const uint32_t first = out.part_count();
         const uint32_t parts = add_seen(context_.shader, rays_[i], times_[i], hits_[i], {pixel.seed, begin + i}, out);
-        out.add_ray({film_[i], 1, times_[i], first, parts, hits_[i].has_value()});
+        out.add_ray({film_[i], 1, times_[i], first, parts, hits_[i].has_value(), times.density(times_[i])});
         hit_count_ += hits_[i].has_value();
       }
       begin += size;

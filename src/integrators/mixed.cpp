@@ -69,7 +69,7 @@ class MixedIntegrator : public Integrator {
     const bool anything_still =
         std::any_of(shot_.meshes.begin(), shot_.meshes.end(), [](const Mesh& mesh) { return mesh.is_static(); });
     still_layer_is_empty_ = !anything_still && !context.shader.has_sky();
-    if (const FramePlan* plan = parts.find_plan(key_)) {
+    if (const FramePlan* plan = params.exposure ? nullptr : parts.find_plan(key_)) {
       frame_ = *plan;
       known_ = true;
       return;
@@ -92,7 +92,7 @@ class MixedIntegrator : public Integrator {
     if (automatic_ && !mask_.empty()) stats.prices = frame_.prices;
     if (known_) return;
     look_around(monitor, stats);
-    parts_.keep_plan(key_, frame_);
+    if (!params_.exposure) parts_.keep_plan(key_, frame_);  // the key does not know exposures
   }
 
   const Tracer& tracer() const { return tracer_; }
@@ -150,7 +150,8 @@ class MixedIntegrator : public Integrator {
     if (!automatic_) return fixed_plan_;
     if (context_.needs.over_time()) return frame_.allotment.plan_over_time(dither(x, y));
     if (!still_layer_is_empty_ && budget_ < kLeastForStill) return {0, budget_};
-    return frame_.allotment.plan(mask_.speed(x, y), dither(x, y));
+    return frame_.allotment.plan(mask_.speed(x, y) * static_cast<double>(context_.times(x, y).duration()),
+                                 dither(x, y));
   }
 
   /// Of a discrete sample, where nothing moves and where something does.
@@ -174,7 +175,7 @@ class MixedIntegrator : public Integrator {
       const PixelPlan plan = begin_pixel(x, y, monitor);
       const bool moves = integrator_.mask_.moves(x, y);
       moving_pixels_ += moves;
-      record_.begin_pixel(x, y, context_.background);
+      record_.begin_pixel(x, y, context_.background, context_.times(x, y).window());
       record_.set_plan(plan, moves);
       if (plan.tc_rays > 0) {
         ++tc_pixels_;
@@ -248,6 +249,7 @@ class MixedIntegrator : public Integrator {
 
     void render_moving(int x, int y, const Sampler::Pixel& pixel, const PixelPlan& plan, Monitor& monitor) {
       constexpr uint32_t kMostRays = Tracer::kMaxPacket;
+      const PixelTimes times = context_.times(x, y);
       for (uint32_t begin = 0; begin < plan.tc_rays; begin += kMostRays) {
         if (begin % kRaysPerPoll == 0) monitor.poll();
         const uint32_t size = std::min(kMostRays, plan.tc_rays - begin);
@@ -260,11 +262,12 @@ class MixedIntegrator : public Integrator {
         std::span<const Segment> occluder_hints;
         if (integrator_.occluder_hints_) occluder_hints = still_layer_.occluder_hints(begin, size, monitor);
         const std::span<const Ray> rays = std::span(batch_).first(size);
-        const auto seen = integrator_.tracer_.trace_packet(rays, Visibility::visible, workspace_, occluder_hints,
-                                                           integrator_.frame_.packets.together(plan.tc_rays));
+        const auto seen =
+            integrator_.tracer_.trace_packet(rays, Visibility::visible, workspace_, occluder_hints,
+                                             integrator_.frame_.packets.together(plan.tc_rays), times.limits());
         ends_.clear();
         uint32_t first = record_.part_count();
-        shading_.shade({rays, seen, std::span(times_).first(size), pixel.seed, begin}, record_, ends_);
+        shading_.shade({rays, seen, std::span(times_).first(size), pixel.seed, begin, times.window()}, record_, ends_);
         for (uint32_t i = 0; i < size; ++i) {
           record_.add_ray({film_[i], 1, PixelRay::kAll, first, ends_[i] - first,
                            static_cast<uint32_t>(seen[i].segments.size() + seen[i].blended.size())});
@@ -290,10 +293,11 @@ class MixedIntegrator : public Integrator {
       std::array<Ray, kShareRays> rays;
       std::array<float, kShareRays> times{};
       std::array<std::optional<DiscreteHit>, kShareRays> hits;
+      const PixelTimes pixel_times = context_.times(x, y);
       for (uint32_t i = 0; i < kShareRays; ++i) {
         const SamplePoint point = sampler.point(pixel, i);
         rays[i] = context_.ray(x, y, point);
-        times[i] = point.time;
+        times[i] = pixel_times.instant(point.time);
       }
       integrator_.scene_.intersect(rays, times, hits, DiscreteLayer::all);
       share_rays_ += kShareRays;

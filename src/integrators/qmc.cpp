@@ -20,7 +20,7 @@ class QmcIntegrator : public Integrator {
         : context_(integrator.context_), samples_(context_, integrator.scene_), record_(context_.needs.surfaces()) {}
 
     const PixelRecord& render_pixel(int x, int y, Monitor& monitor) override {
-      record_.begin_pixel(x, y, context_.background);
+      record_.begin_pixel(x, y, context_.background, context_.times(x, y).window());
       record_.set_plan({0, context_.sampler.count()}, true);
       samples_.take(x, y, context_.sampler.pixel(x, y), 0, context_.sampler.count(), DiscreteLayer::all, record_,
                     monitor);

@@ -23,6 +23,7 @@ class StillLayer {
     y_ = y;
     pixel_ = pixel;
     align_ = align;
+    pixel_times_ = context_.times(x, y);
     rays_.clear();
     film_.clear();
     times_.clear();
@@ -73,7 +74,7 @@ class StillLayer {
         const SamplePoint point = align_(context_.sampler.point(pixel_, static_cast<uint32_t>(i)));
         rays_.push_back(context_.ray(x_, y_, point));
         film_.push_back(context_.film(point));
-        times_.push_back(point.time);
+        times_.push_back(pixel_times_.instant(point.time));
       }
       hits_.resize(end);
       scene_.intersect(std::span(rays_).subspan(begin), std::span(times_).subspan(begin),
@@ -87,6 +88,7 @@ class StillLayer {
   int x_ = 0, y_ = 0;
   Sampler::Pixel pixel_;
   AlignedPoints align_;
+  PixelTimes pixel_times_;
   std::vector<Ray> rays_;
   std::vector<Vec2f> film_;
   std::vector<float> times_;

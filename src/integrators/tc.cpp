@@ -31,7 +31,8 @@ class TcIntegrator : public Integrator {
           record_(context_.needs.surfaces()) {}
 
     const PixelRecord& render_pixel(int x, int y, Monitor& monitor) override {
-      record_.begin_pixel(x, y, context_.background);
+      const PixelTimes times = context_.times(x, y);
+      record_.begin_pixel(x, y, context_.background, times.window());
       record_.set_plan({context_.sampler.count(), 0}, true);
       const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
       const uint32_t count = context_.sampler.count();
@@ -48,10 +49,10 @@ class TcIntegrator : public Integrator {
         }
         const std::span<const Ray> rays = std::span(rays_).first(size);
         const auto seen = integrator_.tracer_.trace_packet(rays, Visibility::visible, workspace_, {},
-                                                           integrator_.packets_.together(count));
+                                                           integrator_.packets_.together(count), times.limits());
         ends_.clear();
         uint32_t first = record_.part_count();
-        shading_.shade({rays, seen, std::span(times_).first(size), pixel.seed, begin}, record_, ends_);
+        shading_.shade({rays, seen, std::span(times_).first(size), pixel.seed, begin, times.window()}, record_, ends_);
         for (uint32_t i = 0; i < size; ++i) {
           record_.add_ray({film_[i], 1, PixelRay::kAll, first, ends_[i] - first,
                            static_cast<uint32_t>(seen[i].segments.size() + seen[i].blended.size())});

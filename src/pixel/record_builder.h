@@ -11,11 +11,13 @@ class RecordBuilder {
  public:
   explicit RecordBuilder(bool surfaces = true) : surfaces_wanted_(surfaces) {}
 
-  void begin_pixel(int x, int y, Vec3f background) {
+  /// window: see PixelRecord.
+  void begin_pixel(int x, int y, Vec3f background, const TimeRange& window = {}) {
     record_ = {};
     record_.x = x;
     record_.y = y;
     record_.background = background;
+    record_.window = window;
     clear();
   }
   void clear() {

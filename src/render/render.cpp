@@ -67,6 +67,15 @@ void check(const Shot& shot, const RenderParams& params, const RecordNeeds& need
       (shot.shutter_close - shot.shutter_open) / params.shading_interval * params.shading_samples > kMaxShadingSamples)
     refuse("shading samples while the shutter is open must be " + std::to_string(kMaxShadingSamples) +
            " at most; give a longer interval");
+  if (params.exposure) {
+    const Exposure& exposure = *params.exposure;
+    if (exposure.width() != shot.projection.width || exposure.height() != shot.projection.height ||
+        exposure.shot_open() != shot.shutter_open || exposure.shot_close() != shot.shutter_close)
+      refuse("the exposure is made for another shot or frame");
+    if (exposure.shutter().curve.has_negative())
+      refuse("a shutter's curve must not be negative anywhere; only what is recorded over time can be weighed with it");
+    if (shows_bounds(params.shading)) refuse("pictures of bounds show the whole shutter, and no exposure of it");
+  }
   const bool exact = needs.time == RecordNeeds::Time::segments;
   if (exact && (params.integrator == IntegratorKind::qmc || shows_bounds(params.shading)))
     refuse(
@@ -153,6 +162,17 @@ std::string calibration_text(const std::optional<Calibration>& calibration) {
   return text + " ns";
 }
 
+std::string curve_text(const TimeWeight& curve) {
+  if (curve.is_box()) return "box";
+  std::string text = "points:";
+  for (const TimeWeight::Point& point : curve.points()) {
+    char pair[64];
+    std::snprintf(pair, sizeof pair, "%s%.9g %.9g", text.back() == ':' ? "" : ",", point.time, point.weight);
+    text += pair;
+  }
+  return text;
+}
+
 }  // namespace
 
 void describe(Image& image, const Shot& shot, const RenderParams& params, const RenderStats& stats) {
@@ -176,6 +196,23 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
     put("kairos:embree_instruction_set", std::string(to_string(*stats.embree_instruction_set)));
   put("kairos:seed", std::to_string(params.seed));
   put("kairos:shutter", std::array<double, 2>{shot.shutter_open, shot.shutter_close});
+  if (params.exposure) {
+    const Shutter& shutter = params.exposure->shutter();
+    put("kairos:exposure", std::array<double, 2>{shutter.open, shutter.close});
+    put("kairos:exposure_frame_time", params.exposure->frame_time());
+    put("kairos:exposure_normalise", std::string(to_string(shutter.normalise)));
+    if (shutter.map) {
+      put("kairos:exposure_map", std::string("given"));
+    } else {
+      put("kairos:exposure_line", std::array<double, 2>{shutter.open_line, shutter.close_line});
+      put("kairos:exposure_scan", std::string(to_string(shutter.scan)));
+      put("kairos:exposure_first_line", shutter.first_line);
+    }
+    put("kairos:exposure_curve", curve_text(shutter.curve));
+    put("expTime", shutter.close - shutter.open);
+  } else {
+    put("expTime", shot.shutter_close - shot.shutter_open);
+  }
   put("kairos:render_seconds", stats.render_seconds);
   if (image.find("mesh.id") != nullptr) {
     std::vector<std::string> names;
@@ -212,7 +249,8 @@ void render_here(ShotParts& parts, const RenderParams& params, const Crop& crop,
                              PixelFilter(params.filter),
                              shader,
                              shot.background,
-                             needs};
+                             needs,
+                             params.exposure};
   stats.build_seconds = seconds_since(start);  // of this picture alone
   for (const Crop& band : bands_of(crop)) {
     RenderParams of_band = params;

@@ -24,11 +24,12 @@ class LayerShading {
   /// options, share, phase: see spread_samples; every sample takes in all layers, each of which is a part of its own.
   /// keys: of this ray. Returns the number of evaluations. docs/method.md, "Blended surfaces".
   uint64_t shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> blended,
-                 const ShadingOptions& options, double share, float phase, SampleKeys& keys, RecordBuilder& out) {
+                 const TimeRange& window, const ShadingOptions& options, double share, float phase, SampleKeys& keys,
+                 RecordBuilder& out) {
     opacities_.clear();
     for (const Segment& hit : blended)
       opacities_.push_back(shader_.opacity(ray, hit.mesh, hit.triangle, 0.5f * (hit.begin + hit.end)));
-    layers_.build(segments, blended, shader_.has_sky(), opacities_);
+    layers_.build(segments, blended, shader_.has_sky(), opacities_, window);
     blended_ = blended;
     const std::span<const Segment> stretches = layers_.stretches();
     const auto index_of = [&](const Segment& stretch) { return static_cast<size_t>(&stretch - stretches.data()); };

@@ -12,7 +12,8 @@ namespace kairos {
 
 namespace {
 
-// Cuts closer than this, in shutter time, are one: what rounding leaves between a segment's end and the next begin.
+// Cuts closer than this, in parts of the window, are one: what rounding leaves between a segment's end and the next
+// begin.
 constexpr float kSliver = 1e-6f;
 
 bool same_surface(const Segment& a, const Segment& b) {
@@ -21,8 +22,8 @@ bool same_surface(const Segment& a, const Segment& b) {
 
 }  // namespace
 
-void Layers::find_cuts(std::span<const Segment> segments, std::span<const Segment> blended) {
-  cuts_.assign({0, 1});
+void Layers::find_cuts(std::span<const Segment> segments, std::span<const Segment> blended, const TimeRange& window) {
+  cuts_.assign({window.begin, window.end});
   const auto add_ends = [&](std::span<const Segment> list) {
     for (const Segment& s : list) cuts_.insert(cuts_.end(), {s.begin, s.end});
   };
@@ -39,9 +40,9 @@ void Layers::find_cuts(std::span<const Segment> segments, std::span<const Segmen
   std::sort(cuts_.begin(), cuts_.end());
   size_t kept = 1;
   for (const float cut : cuts_)
-    if (cut - cuts_[kept - 1] >= kSliver) cuts_[kept++] = cut;
+    if (cut - cuts_[kept - 1] >= kSliver * (window.end - window.begin)) cuts_[kept++] = cut;
   cuts_.resize(kept);
-  cuts_.back() = 1;
+  cuts_.back() = window.end;
 }
 
 /// Fills nearest_ from active_.
@@ -78,13 +79,13 @@ void Layers::find_farther(size_t index, float time, std::span<const Segment> ble
 }
 
 void Layers::build(std::span<const Segment> segments, std::span<const Segment> blended, bool fill_gaps,
-                   std::span<const float> opacities) {
+                   std::span<const float> opacities, const TimeRange& window) {
   stretches_.clear();
   ends_.clear();
   is_cut_.clear();
   order_.clear();
   active_.clear();
-  find_cuts(segments, blended);
+  find_cuts(segments, blended, window);
   size_t seen = 0;
   uint32_t next = 0;  // of the blended hits
   for (size_t i = 0; i + 1 < cuts_.size(); ++i) {

@@ -15,8 +15,9 @@ class Layers {
   /// segments and blended: as the tracer hands them over. fill_gaps: make stretches of those in which nothing is seen,
   /// too. opacities: of each blended hit, about; empty: unknown. What lies behind so many that less than kLeastOpen of
   /// the light from there comes through cuts no stretches, so that there are about as many as changes that can be seen.
+  /// window: that of the rays, which gaps are filled in.
   void build(std::span<const Segment> segments, std::span<const Segment> blended, bool fill_gaps,
-             std::span<const float> opacities = {});
+             std::span<const float> opacities = {}, const TimeRange& window = {});
 
   /// Disjoint, in time order. Of each: the part of a segment that lies behind all of its blended surfaces, or one with
   /// the mesh kNoMesh and at infinity, where nothing does.
@@ -37,7 +38,7 @@ class Layers {
     uint32_t hit;
   };
 
-  void find_cuts(std::span<const Segment> segments, std::span<const Segment> blended);
+  void find_cuts(std::span<const Segment> segments, std::span<const Segment> blended, const TimeRange& window);
   void take_nearest(std::span<const Segment> blended, float time, std::span<const float> opacities);
   void add(const Segment& back, std::span<const Segment> blended);
 

@@ -28,7 +28,8 @@ class PacketShading {
     std::span<const SeenByRay> seen;
     std::span<const float> phases;  ///< one per ray, see spread_samples
     uint64_t pixel_seed;
-    uint32_t first;  ///< number of the first ray within its pixel
+    uint32_t first;      ///< number of the first ray within its pixel
+    TimeRange window{};  ///< that of the rays
   };
 
   /// Appends the parts of all rays' segments to `out`, ray by ray, and for each ray to `ends` the number of parts after
@@ -38,7 +39,7 @@ class PacketShading {
                                                           [](const SeenByRay& ray) { return !ray.blended.empty(); });
     if (options_.clusters == Clusters::pixel && !layered) return shade_together(packet, out, ends);
     for (size_t i = 0; i < packet.rays.size(); ++i) {
-      single_.shade(packet.rays[i], packet.seen[i].segments, packet.seen[i].blended, packet.pixel_seed,
+      single_.shade(packet.rays[i], packet.seen[i].segments, packet.seen[i].blended, packet.window, packet.pixel_seed,
                     packet.first + static_cast<uint32_t>(i), packet.phases[i], out);
       ends.push_back(out.part_count());
     }
@@ -98,7 +99,8 @@ class PacketShading {
 
   /// To a group as many samples as are in proportion to its time and to how much its colours differ, and at least one.
   void place_samples(const Packet& packet, RecordBuilder& out) {
-    const float samples = static_cast<float>(options_.samples) * kVariationScale;
+    const float samples =
+        static_cast<float>(options_.samples) * kVariationScale / (packet.window.end - packet.window.begin);
     float phase = unit_float(hash(packet.pixel_seed, packet.first, kPhaseDimension));
     uint32_t samples_taken = 0;
     for (Group& group : groups_) {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <kairos/record.h>
+#include <kairos/shutter.h>
 #include <kairos/tracer.h>
 
 #include "camera/camera_rays.h"
 #include "camera/pixel_filter.h"
+#include "camera/pixel_times.h"
 #include "math/sampler.h"
 #include "shading/shader.h"
 
@@ -19,6 +21,10 @@ struct PixelContext {
   const Shader& shader;
   Vec3f background{};
   RecordNeeds needs{};
+  std::optional<Exposure> exposure{};
+
+  /// When pixel (x, y) looks.
+  PixelTimes times(int x, int y) const { return exposure ? PixelTimes(exposure->weight(x, y)) : PixelTimes(); }
 
   /// Where in the pixel a sample lies, as PixelRay::film.
   Vec2f film(const SamplePoint& point) const {

@@ -29,12 +29,13 @@ class SegmentShading {
 
   /// Appends the parts of the segments of ray `index` of a pixel, seen through `blended`, to `out`: they cover exactly
   /// what the segments cover, and each is part of one of them. phase: see spread_samples.
-  void shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> blended, uint64_t pixel_seed,
-             uint32_t index, float phase, RecordBuilder& out) {
+  /// window: that of the rays.
+  void shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> blended,
+             const TimeRange& window, uint64_t pixel_seed, uint32_t index, float phase, RecordBuilder& out) {
     keys_.begin_ray(pixel_seed, index);
     const double share = unit_float(hash(pixel_seed, index, kShareDimension));
     if (!blended.empty() || shader_.has_sky()) {
-      evaluations_ += layers_.shade(ray, segments, blended, options_, share, phase, keys_, out);
+      evaluations_ += layers_.shade(ray, segments, blended, window, options_, share, phase, keys_, out);
       return;
     }
     if (options_.over_time) {

@@ -24,8 +24,13 @@ inline Clusters clusters_of(const RenderParams& params) {
   if (params.clusters != Clusters::automatic) return params.clusters;
   return params.shading == ShadingKind::whitted ? Clusters::on : Clusters::pixel;
 }
+/// Of a grid over the shutter.
+inline constexpr double kMostCells = 1 << 16;
+
 inline ShadingOptions shading_options(const Shot& shot, const RenderParams& params, const RecordNeeds& needs) {
-  const auto cells = static_cast<uint32_t>(params.shading_samples);
+  // As many in the shortest exposure, where colours are functions of time; elsewhere samples fill the pixel's window.
+  const double cells_wanted = params.shading_samples / (params.exposure ? params.exposure->shortest() : 1);
+  const auto cells = static_cast<uint32_t>(std::min(std::ceil(cells_wanted), kMostCells));
   const double open = shot.shutter_open, close = shot.shutter_close;
   const TimeGrid grid = params.shading_interval > 0 ? TimeGrid(open, close, params.shading_interval, cells)
                         : close > open              ? TimeGrid(open, close, close - open, cells)

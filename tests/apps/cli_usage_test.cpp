@@ -3,12 +3,25 @@
 #include <regex>
 #include <set>
 
+#include <kairos/image.h>
+
 #include "cli.h"
 
 namespace kairos {
 namespace {
 
 using CliUsage = CliTest;
+
+/// Every pixel is exposed all the time.
+void write_interval_map(const std::string& path, int width, int height) {
+  Image map;
+  map.width = map.frame_width = width;
+  map.height = map.frame_height = height;
+  const auto pixels = static_cast<size_t>(width * height);
+  map.channels = {{"open", Channel::Storage::exact, std::vector<float>(pixels, 0)},
+                  {"close", Channel::Storage::exact, std::vector<float>(pixels, 0.02f)}};
+  write_image(map, path);
+}
 
 TEST_F(CliUsage, BadUsageIsStatusTwoAndOneLine) {
   const std::string render = "render scene.json -o a.exr ";
@@ -57,7 +70,7 @@ TEST_F(CliUsage, BadUsageIsStatusTwoAndOneLine) {
                                        render + "--crop 3,3,0,1",
                                        render + "--crop 0,33,0,20",
                                        render + "--crop -1,3,0,1",
-                                       render + "--shutter 0",
+                                       render + "--shutter 1x",
                                        render + "--shutter nan,1",
                                        render + "--shutter 1,0",
                                        render + "--shutter 0,inf",
@@ -126,6 +139,13 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--frames", "0-1"},
                                                        {"--fps", "24"},
                                                        {"--shutter", "-0.25,0.25"},
+                                                       {"--rolling", "top:20ms"},
+                                                       {"--curve", "triangle"},
+                                                       {"--signed-curve", ""},
+                                                       {"--anchor", "last"},
+                                                       {"--sensor-lines", "20,1"},
+                                                       {"--interval-map", "map.exr"},
+                                                       {"--normalise", "energy"},
                                                        {"--size", "8x6"},
                                                        {"--motion-tolerance", "0.5"},
                                                        {"--threads", "1"},
@@ -153,6 +173,8 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
       if (name == "--output") arguments = "scene.json --size 12x9 ";
       if (name == "--frames") arguments = "scene.json -o f%d.exr --size 12x9 ";
       if (name == "--rays" || name == "--pixel") arguments = "scene.json ";
+      if (name == "--interval-map")
+        write_interval_map(path("map.exr"), command == "query" ? 32 : 12, command == "query" ? 20 : 9);
       if (command == "query" && !of_rays.contains(name) && name != "--pixel") arguments = "scene.json --pixel 3,4 ";
       if (name == "--size")
         arguments = "scene.json " + std::string(command == "render"  ? "-o a.exr "

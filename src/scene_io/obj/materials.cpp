@@ -84,7 +84,8 @@ Material make_material(const Statements& said) {
   if (!said.opacity_picture.empty() && material.transmission == 0) {
     if (material.alpha_mode == Material::AlphaMode::opaque) material.alpha_mode = Material::AlphaMode::mask;
     // The same picture as the colour's holds opacity in its alpha.
-    if (said.opacity_picture.picture != material.base_color_texture.picture) material.alpha_texture = said.opacity_picture;
+    if (said.opacity_picture.picture != material.base_color_texture.picture)
+      material.alpha_texture = said.opacity_picture;
   }
   return material;
 }

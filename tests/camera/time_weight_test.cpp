@@ -63,6 +63,49 @@ TEST(TimeWeight, MomentsOfRandomCurvesAreWhatManyInstantsSay) {
   }
 }
 
+TEST(TimeWeight, StretchedItIsTheSameCurveElsewhere) {
+  const TimeWeight step({{0, 1}, {0.5, 1}, {0.5, 3}, {1, 3}});
+  const TimeWeight weight = step.stretched(0.5, 0.75, 8);
+  EXPECT_EQ(weight.at(0.4), 0);
+  EXPECT_DOUBLE_EQ(weight.at(0.6), 8);
+  EXPECT_DOUBLE_EQ(weight.at(0.7), 24);
+  EXPECT_DOUBLE_EQ(weight.sum(), 8 * 0.25 * 2);
+  EXPECT_DOUBLE_EQ(weight.integral(0, 0.625), 8 * 0.125);
+  const auto [first, second] = weight.moments(0.5, 0.625);
+  EXPECT_DOUBLE_EQ(first, 0.5);
+  EXPECT_DOUBLE_EQ(second, 0.5);
+  EXPECT_DOUBLE_EQ(weight.variation(), 8 * (1 + 2 + 3));
+  EXPECT_EQ(TimeWeight().variation(), 2);
+  const TimeWeight box = TimeWeight().stretched(0.25, 0.5, 4);
+  EXPECT_FALSE(box.is_box());
+  EXPECT_DOUBLE_EQ(box.integral(0, 1), 1);
+  EXPECT_DOUBLE_EQ(box.stretched(0, 0.5, 2).begin(), 0.125);
+  EXPECT_THROW(box.stretched(0.5, 0.5, 1), Error);
+  EXPECT_THROW(box.stretched(0, 1, INFINITY), Error);
+}
+
+TEST(TimeWeight, BeforeAQuantileLiesItsShareOfTheIntegral) {
+  const uint32_t seed = std::random_device{}();
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int i = 0; i < 50; ++i) {
+    std::vector<TimeWeight::Point> points(2 + random() % 5);
+    for (auto& point : points) point = {uniform(random), random() % 3 == 0 ? 0 : uniform(random)};
+    points[0].weight = 1;  // of something there is an integral
+    std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
+    const TimeWeight weight = TimeWeight(points).stretched(0.25, 0.5, 3);
+    if (!(weight.sum() > 1e-6)) continue;
+    double before = 0;
+    for (int k = 0; k <= 10; ++k) {
+      const double share = k / 10.0, time = weight.quantile(share);
+      EXPECT_GE(time, before);
+      EXPECT_NEAR(weight.integral(0, time), share * weight.sum(), 1e-9 + 1e-9 * weight.sum());
+      before = time;
+    }
+  }
+}
+
 TEST(TimeWeight, RefusesWhatIsNoCurve) {
   EXPECT_THROW(TimeWeight({{0, 1}}), Error);
   EXPECT_THROW(TimeWeight({{0, 1}, {1.5, 1}}), Error);
