@@ -99,7 +99,8 @@ void add_scene_arguments(CLI::App& app, SceneArguments& out) {
   app.add_option("SCENE", out.paths,
                  "glTF, GLB, OBJ, PLY, pbrt or native JSON; several OBJ or PLY files are motion keys of one mesh")
       ->required();
-  app.add_option("--animation", out.load.animation, "Animation to play (default: the first)")->type_name("NAME|INDEX");
+  app.add_option("--animation", out.load.animation, "Animation to play, 'all' or 'none' (default: the first)")
+      ->type_name("NAME|INDEX");
   app.add_option("--gltf-scene", out.load.gltf_scene, "Scene of a glTF file (default: the file's own default)")
       ->type_name("NAME|INDEX");
   app.add_flag("--strict", out.load.strict, "Refuse bad triangles and unsupported features instead of warning");

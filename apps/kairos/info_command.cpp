@@ -1,8 +1,12 @@
 // kairos info: what was loaded.
+#include <filesystem>
 #include <memory>
 #include <numbers>
+#include <set>
 
 #include <nlohmann/json.hpp>
+
+#include <kairos/animations.h>
 
 #include "arguments.h"
 #include "commands.h"
@@ -41,7 +45,64 @@ nlohmann::ordered_json camera_json(const SceneContents::Camera& camera) {
   return json;
 }
 
-nlohmann::ordered_json describe(const SceneContents& scene, const Shot& shot, double seconds) {
+/// Pictures that materials name and that are not there.
+std::vector<std::string> absent_pictures(const SceneContents& scene) {
+  const std::set<std::string> inside(scene.pictures.begin(), scene.pictures.end());
+  std::set<std::string> absent;
+  for (const Material& material : scene.materials)
+    for (const TextureRef* texture :
+         {&material.base_color_texture, &material.emission_texture, &material.metallic_roughness_texture,
+          &material.alpha_texture, &material.normal_texture}) {
+      std::error_code failure;
+      if (!texture->empty() && !inside.count(texture->picture) && !std::filesystem::exists(texture->picture, failure))
+        absent.insert(texture->picture);
+    }
+  return {absent.begin(), absent.end()};
+}
+
+nlohmann::ordered_json animation_json(const SceneAnimation& animation, double fps) {
+  nlohmann::ordered_json json;
+  json["name"] = animation.name;
+  json["plays"] = animation.plays;
+  if (animation.range) {
+    const auto [begin, end] = *animation.range;
+    json["range"] = {begin, end};
+    json["frames"] = {begin * fps, end * fps};
+  }
+  return json;
+}
+
+std::string animation_text(const SceneAnimation& animation, double fps) {
+  std::string text = fmt::format("'{}'", animation.name);
+  if (animation.range) {
+    const auto [begin, end] = *animation.range;
+    text += fmt::format(", {:.6g} to {:.6g} s, frames {:.6g} to {:.6g}", begin, end, begin * fps, end * fps);
+  }
+  return text + (animation.plays ? "" : ", does not play");
+}
+
+std::string light_text(const Light& light) {
+  struct Describe {
+    std::string rgb(Vec3f c) const { return fmt::format("{:.4g} {:.4g} {:.4g}", c.x, c.y, c.z); }
+    std::string operator()(const PointLight& l) const { return "point, intensity " + rgb(l.intensity); }
+    std::string operator()(const SpotLight& l) const { return "spot, intensity " + rgb(l.intensity); }
+    std::string operator()(const DirectionalLight& l) const { return "directional, irradiance " + rgb(l.irradiance); }
+    std::string operator()(const ConstantLight& l) const { return "from all around, radiance " + rgb(l.radiance); }
+    std::string operator()(const EnvironmentLight& l) const { return "environment '" + l.texture + "'"; }
+  };
+  return std::visit(Describe{}, light);
+}
+
+/// What of a loaded scene is told.
+struct Loaded {
+  const SceneContents& scene;
+  const std::vector<SceneAnimation>& animations;
+  const Shot& shot;
+  double seconds;
+};
+
+nlohmann::ordered_json describe(const Loaded& loaded) {
+  const auto& [scene, scene_animations, shot, seconds] = loaded;
   nlohmann::ordered_json json;
   uint64_t keys = 0;
   auto meshes = nlohmann::ordered_json::array();
@@ -55,7 +116,11 @@ nlohmann::ordered_json describe(const SceneContents& scene, const Shot& shot, do
   json["keys"] = keys;
   json["meshes"] = meshes;
   json["cameras"] = cameras;
-  json["animations"] = scene.animations;
+  auto animations = nlohmann::ordered_json::array();
+  for (const SceneAnimation& animation : scene_animations) animations.push_back(animation_json(animation, scene.fps));
+  json["animations"] = animations;
+  json["fps"] = scene.fps;
+  json["absent_pictures"] = absent_pictures(scene);
   json["materials"] = shot.materials.size();
   json["lights"] = shot.lights.size();
   json["shutter"] = {shot.shutter_open, shot.shutter_close};
@@ -77,7 +142,8 @@ std::string key_times_text(const Mesh& mesh) {
   return mesh.key_count() > kMostShown ? text + " ... 1" : text;
 }
 
-void print_text(const SceneContents& scene, const Shot& shot, double seconds) {
+void print_text(const Loaded& loaded) {
+  const auto& [scene, scene_animations, shot, seconds] = loaded;
   fmt::print("{} meshes, {} triangles, {} of geometry, loaded in {:.2f} s with {} at most\n", shot.meshes.size(),
              triangle_count(shot.meshes), megabytes(mesh_bytes(shot.meshes)), seconds, megabytes(peak_memory_bytes()));
   fmt::print("{}x{} pixels, shutter {} to {} (scene time), camera {}\n", shot.projection.width, shot.projection.height,
@@ -89,7 +155,11 @@ void print_text(const SceneContents& scene, const Shot& shot, double seconds) {
     fmt::print("camera '{}': {}\n", camera.name,
                camera.orthographic ? fmt::format("orthographic, {:.4g} high", camera.view_height)
                                    : fmt::format("perspective, {:.4g} degrees high", camera.vfov * kDegrees));
-  for (size_t i = 0; i < scene.animations.size(); ++i) fmt::print("animation {}: '{}'\n", i, scene.animations[i]);
+  for (size_t i = 0; i < scene.lights.size(); ++i) fmt::print("light {}: {}\n", i, light_text(scene.lights[i]));
+  if (!scene_animations.empty()) fmt::print("{:.6g} frames a second, if --fps says nothing else\n", scene.fps);
+  for (size_t i = 0; i < scene_animations.size(); ++i)
+    fmt::print("animation {}: {}\n", i, animation_text(scene_animations[i], scene.fps));
+  for (const std::string& picture : absent_pictures(scene)) fmt::print("absent picture: {}\n", picture);
   for (const std::string& note : shot.notes) fmt::print("note: {}\n", note);
   for (const std::string& warning : scene.warnings) fmt::print("warning: {}\n", warning);
 }
@@ -100,10 +170,12 @@ void run_info(const InfoArguments& arguments) {
   const Shot shot = make_shot(*scene, shot_options(arguments.scene, *scene));
   const double seconds = loading.seconds();
   const SceneContents held = contents(*scene);
+  const std::vector<SceneAnimation> held_animations = animations(*scene);
+  const Loaded loaded{held, held_animations, shot, seconds};
   if (arguments.json)
-    fmt::print("{}\n", describe(held, shot, seconds).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    fmt::print("{}\n", describe(loaded).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   else
-    print_text(held, shot, seconds);
+    print_text(loaded);
 }
 
 }  // namespace

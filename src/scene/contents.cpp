@@ -1,4 +1,5 @@
 // What a scene holds, for those to whom it is opaque.
+#include <kairos/animations.h>
 #include <kairos/scene.h>
 
 #include "scene/scene.h"
@@ -16,7 +17,7 @@ SceneContents contents(const Scene& scene) {
   }
   result.materials = scene.materials;
   result.lights = scene.lights;
-  result.animations = scene.animations;
+  for (const SceneAnimation& animation : scene.animations) result.animations.push_back(animation.name);
   for (const auto& [name, bytes] : scene.embedded_pictures) result.pictures.push_back(name);
   for (const auto& [name, pixels] : scene.pictures) result.pictures.push_back(name);
   result.background = scene.background;
@@ -26,5 +27,7 @@ SceneContents contents(const Scene& scene) {
   result.warnings = scene.warnings;
   return result;
 }
+
+std::vector<SceneAnimation> animations(const Scene& scene) { return scene.animations; }
 
 }  // namespace kairos

@@ -50,7 +50,12 @@ std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_on
   const auto ask = [&](const TextureRef& texture, Texture::Encoding encoding) {
     if (!texture.empty()) slots.try_emplace({texture.picture, encoding});
   };
-  for (const Material& material : scene.materials) {
+  std::vector<bool> is_used(scene.materials.size(), false);
+  for (const SceneMesh& mesh : scene.meshes)
+    if (mesh.material < is_used.size()) is_used[mesh.material] = true;
+  for (size_t i = 0; i < scene.materials.size(); ++i) {
+    const Material& material = scene.materials[i];
+    if (!is_used[i]) continue;
     if (!cut_outs_only || material.alpha_mode != Material::AlphaMode::opaque) {
       ask(material.base_color_texture, Texture::Encoding::srgb);
       ask(material.alpha_texture, Texture::Encoding::linear);

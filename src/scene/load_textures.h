@@ -8,9 +8,9 @@
 
 namespace kairos {
 
-/// [material]; each picture is read once, however many materials use it. One that cannot be read is left out with a
-/// note; with `strict` it throws Error(io) or Error(bad_input). cut_outs_only: none but those with the alpha of what is
-/// cut out or blended. Empty when there is nothing to read.
+/// [material]; the pictures of those that a mesh has, each read once, however many materials use it. One that cannot be
+/// read is left out with a note; with `strict` it throws Error(io) or Error(bad_input). cut_outs_only: none but those
+/// with the alpha of what is cut out or blended. Empty when there is nothing to read.
 std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_only, bool strict,
                                             std::vector<std::string>& notes);
 

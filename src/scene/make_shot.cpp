@@ -1,4 +1,5 @@
 // Reduces a scene to linear motion between keys during one opening of the shutter.
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <utility>
@@ -154,6 +155,27 @@ Mesh make_mesh(const SceneMesh& source, const View& view, const ShotOptions& opt
   return mesh;
 }
 
+/// Says so when the shutter is open while nothing that is animated moves yet, or any more.
+void note_animations(const Scene& scene, const ShotOptions& options, const ShutterWindow& window,
+                     std::vector<std::string>& notes) {
+  std::optional<std::array<double, 2>> range;
+  for (const SceneAnimation& animation : scene.animations) {
+    if (!animation.plays) continue;
+    if (!animation.range) return;
+    if (!range) range = animation.range;
+    range = {std::min((*range)[0], (*animation.range)[0]), std::max((*range)[1], (*animation.range)[1])};
+  }
+  if (!range) return;
+  const auto [begin, end] = *range;
+  const bool is_before = window.close <= begin && window.open < begin, is_after = window.open >= end && end > begin;
+  if (!is_before && !is_after) return;
+  const double fps = options.fps.value_or(scene.fps);
+  notes.push_back(
+      fmt::format("the shutter is open {} the animation, which runs from {:.6g} to {:.6g}: frames {:.6g} to "
+                  "{:.6g} at {:.6g} frames a second",
+                  is_before ? "before" : "after", begin, end, begin * fps, end * fps, fps));
+}
+
 Shot make_shot_here(const Scene& scene, const ShotOptions& options) {
   if (!(options.motion_tolerance > 0) || !std::isfinite(options.motion_tolerance))
     throw Error(ErrorCode::bad_usage, "motion tolerance",
@@ -191,6 +213,8 @@ Shot make_shot_here(const Scene& scene, const ShotOptions& options) {
     mesh.one_sided = mesh.material < shot.materials.size() && is_one_sided(shot.materials[mesh.material]);
 
   shot.warnings = scene.warnings;
+  shot.notes = scene.notes;
+  note_animations(scene, options, window, shot.notes);
   if (!found) shot.notes.push_back("no camera in the scene: using one that frames it");
   shot.textures = load_textures(scene, !options.textures, options.strict, shot.notes);
   if (options.textures) shot.light_textures = load_light_textures(scene, options.strict, shot.notes);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <kairos/animations.h>
 #include <kairos/image.h>
 #include <kairos/scene.h>
 
@@ -41,12 +42,13 @@ struct Scene {
   std::map<std::string, Pixels> pictures;
   std::vector<SceneCamera> cameras;
   std::vector<Light> lights;
-  std::vector<std::string> animations;  ///< names of those the files hold, played or not
+  std::vector<SceneAnimation> animations;  ///< those the files hold, played or not
   Vec3f background{0, 0, 0};
   std::optional<std::array<double, 2>> shutter;  ///< open, close in scene time; unset: see make_shot
   std::optional<std::array<int, 2>> image_size;  ///< width, height
   double fps = 24;                    ///< frames per unit of scene time, where the shutter is given in frames
   std::vector<std::string> warnings;  ///< one line each
+  std::vector<std::string> notes;     ///< one line each, for the log: what was chosen for whoever did not choose
 };
 
 }  // namespace kairos

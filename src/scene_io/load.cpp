@@ -147,6 +147,7 @@ void append_scene(Scene& scene, Scene other) {
   move_append(scene.lights, other.lights);
   move_append(scene.animations, other.animations);
   move_append(scene.warnings, other.warnings);
+  move_append(scene.notes, other.notes);
   if (scene.background == Vec3f{}) scene.background = other.background;
   if (!scene.shutter) scene.shutter = other.shutter;
   if (!scene.image_size) scene.image_size = other.image_size;
@@ -191,6 +192,11 @@ std::shared_ptr<const Scene> load_here(const std::vector<std::string>& paths, co
         append_scene(*scene, std::move(one));
       else
         scene = std::move(one);
+    }
+    if (scene->meshes.empty()) {
+      const std::string nothing = "has nothing to show: no mesh";
+      if (options.strict) throw Error(ErrorCode::bad_input, paths.front(), nothing);
+      scene->warnings.push_back(paths.front() + ": " + nothing);
     }
     make_names_unique(*scene);
     return std::make_shared<const Scene>(std::move(*scene));

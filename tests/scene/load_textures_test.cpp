@@ -92,10 +92,13 @@ TEST(LoadTextures, InsideAGlb) {
   expect_red(scene);
 
   gltf.root["images"][0]["bufferView"] = 100;
-  expect_error([&] { gltf.parse(); }, {"images[0]", "buffer view 100"});
+  LoadOptions strict;
+  strict.strict = true;
+  expect_error([&] { gltf.parse(strict); }, {"images[0]", "buffer view 100"});
+  EXPECT_THAT(gltf.parse().warnings, testing::ElementsAre(testing::HasSubstr("a picture is left out: images[0]")));
   gltf.root["images"][0]["bufferView"] = view;
   gltf.root["bufferViews"][view]["byteLength"] = 1 << 20;
-  expect_error([&] { gltf.parse(); }, {"bufferViews", "beyond"});
+  expect_error([&] { gltf.parse(strict); }, {"bufferViews", "beyond"});
 }
 
 TEST(LoadTextures, InADataUri) {

@@ -1,6 +1,7 @@
 // Animations, the node graph, skins and morph targets of glTF, against answers worked out by hand.
 #include <cmath>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <kairos/error.h>
@@ -9,6 +10,8 @@
 
 namespace kairos {
 namespace {
+
+using testing::HasSubstr;
 
 const double kPi = std::acos(-1.0);
 const float kHalf = std::sqrt(0.5f);
@@ -225,6 +228,67 @@ TEST(GltfAnimation, IsPickedByNameOrIndex) {
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("'walk', 'run'"), std::string::npos) << error.what();
   }
+}
+
+/// Exporters write one animation for each object.
+TEST(GltfAnimation, AllPlayTogetherAndOfTwoThatMoveTheSameTheFirst) {
+  GltfBuilder gltf;
+  const int left = gltf.triangle_node(), right = gltf.triangle_node();
+  gltf.animate(left, "translation", {0, 2}, {1, 0, 0, 1, 0, 0}, "VEC3");
+  nlohmann::json other = gltf.root["animations"][0];
+  gltf.root["animations"][0]["name"] = "left";
+  other["name"] = "right";
+  other["samplers"][0]["output"] = gltf.accessor<float>({2, 0, 0, 2, 0, 0}, "VEC3");
+  other["channels"][0]["target"]["node"] = right;
+  gltf.push("animations", other);
+  gltf.root["accessors"][1]["min"] = {0};  // of the key times
+  LoadOptions options;
+  Scene one = gltf.parse();
+  EXPECT_EQ(positions_at(one, 0, Side::after, 1)[0].x, 0);
+  ASSERT_EQ(one.notes.size(), 1u);
+  EXPECT_THAT(one.notes[0], HasSubstr("of 2 animations the first plays; not 'right'"));
+  EXPECT_TRUE(one.animations.at(0).plays);
+  EXPECT_FALSE(one.animations.at(1).plays);
+  options.animation = "all";
+  options.strict = true;
+  Scene all = gltf.parse(options);
+  EXPECT_EQ(positions_at(all, 0)[0].x, 1);
+  EXPECT_EQ(positions_at(all, 0, Side::after, 1)[0].x, 2);
+  EXPECT_TRUE(all.notes.empty());
+  gltf.root["animations"][1]["channels"][0]["target"]["node"] = left;
+  EXPECT_THROW(gltf.parse(options), Error);
+  options.strict = false;
+  all = gltf.parse(options);
+  EXPECT_EQ(positions_at(all, 0)[0].x, 1);
+  EXPECT_THAT(all.warnings, testing::ElementsAre(HasSubstr("goes as the first of them says")));
+  gltf.root["animations"][0]["name"] = "all";
+  EXPECT_FALSE(gltf.parse(options).animations.at(1).plays) << "a name of the file's own goes first";
+}
+
+TEST(GltfAnimation, SaysWhenItRuns) {
+  GltfBuilder gltf;
+  gltf.animate(gltf.triangle_node(), "translation", {10, 12.5}, {1, 0, 0, 1, 0, 0}, "VEC3");
+  EXPECT_FALSE(gltf.parse().animations.at(0).range) << "the file has to";
+  const int times = gltf.root["animations"][0]["samplers"][0]["input"];
+  gltf.root["accessors"][static_cast<size_t>(times)]["min"] = {10};
+  gltf.root["accessors"][static_cast<size_t>(times)]["max"] = {12.5};
+  EXPECT_EQ(gltf.parse().animations.at(0).range, (std::array{10.0, 12.5}));
+}
+
+TEST(GltfAnimation, PointersMoveNodesAndAreNamedOtherwise) {
+  GltfBuilder gltf;
+  gltf.animate(gltf.triangle_node(), "translation", {0, 1}, {1, 0, 0, 1, 0, 0}, "VEC3");
+  nlohmann::json& target = gltf.root["animations"][0]["channels"][0]["target"];
+  const auto point = [&](const std::string& pointer) {
+    target = {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer}}}}}};
+    return gltf.parse();
+  };
+  EXPECT_EQ(positions_at(point("/nodes/0/translation"), 0)[0].x, 1);
+  EXPECT_THAT(point("/nodes/0/translation").warnings, testing::IsEmpty());
+  EXPECT_THAT(point("/nodes/12/extensions/KHR_node_visibility/visible").warnings,
+              testing::ElementsAre(HasSubstr("'/nodes/N/extensions/KHR_node_visibility/visible' is left out")));
+  EXPECT_THAT(point("/materials/0/emissiveFactor").warnings, testing::ElementsAre(HasSubstr("/materials/N/")));
+  EXPECT_THROW(point("/nodes/7/translation"), Error);
 }
 
 TEST(GltfAnimation, BadKeysAreAnError) {

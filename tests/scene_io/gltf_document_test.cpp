@@ -159,11 +159,12 @@ TEST(GltfDocument, WhatAnExtensionRequiresIsSupportedOrRefusedByName) {
   GltfBuilder gltf = triangle();
   gltf.root["extensionsRequired"] = {"KHR_mesh_quantization"};
   EXPECT_EQ(refusal(gltf.text()), "");
-  gltf.root["extensionsRequired"] = {"KHR_mesh_quantization", "EXT_meshopt_compression"};
-  EXPECT_THAT(refusal(gltf.text()), HasSubstr("'EXT_meshopt_compression'"));
-  gltf.root["extensionsRequired"] = {"KHR_materials_clearcoat"};
-  gltf.root["extensionsUsed"] = {"KHR_materials_clearcoat"};
-  EXPECT_THAT(gltf.parse().warnings, testing::ElementsAre(HasSubstr("'KHR_materials_clearcoat'")));
+  gltf.root["extensionsRequired"] = {"KHR_mesh_quantization", "KHR_gaussian_splatting"};
+  EXPECT_THAT(refusal(gltf.text()), HasSubstr("'KHR_gaussian_splatting'"));
+  gltf.root["extensionsRequired"] = {"KHR_texture_basisu"};
+  EXPECT_EQ(refusal(gltf.text()), "") << "the shapes are right";
+  gltf.root["extensionsUsed"] = {"KHR_texture_basisu", "EXT_unheard_of"};
+  EXPECT_THAT(gltf.parse().warnings, testing::ElementsAre(HasSubstr("the extension 'EXT_unheard_of' is left out")));
 }
 
 TEST(GltfDocument, WrongTypesAreNamedByTheirPath) {
@@ -176,11 +177,78 @@ TEST(GltfDocument, WrongTypesAreNamedByTheirPath) {
   EXPECT_THAT(refusal(gltf.text()), HasSubstr("nodes[0]: names mesh 5"));
   gltf.root["nodes"] = 3;
   EXPECT_THAT(refusal(gltf.text()), HasSubstr("nodes: must be an array"));
-  EXPECT_THAT(refusal("{\"asset\": {\"version\": \"1.0\"}}"), HasSubstr("asset.version"));
+  for (const char* old : {R"({"asset": {"version": "1.0"}, "scene": "defaultScene"})", R"({"asset": {"version": 1.0}})",
+                          R"({"scene": "defaultScene", "scenes": {}})"})
+    EXPECT_THAT(refusal(old), HasSubstr("this is glTF 1.0, and only 2.0 is supported")) << old;
+  EXPECT_THAT(refusal("<!DOCTYPE html><html></html>"), HasSubstr("test.gltf: is an HTML page"));
+  EXPECT_THAT(refusal("version https://git-lfs.github.com/spec/v1\noid sha256:0\n"), HasSubstr("Git LFS pointer"));
+  gltf = triangle();
+  gltf.root["skins"] = nlohmann::json::array({nlohmann::json::object()});
+  EXPECT_THAT(refusal(gltf.text()), HasSubstr("test.gltf: skins[0]: joints is missing"));
   EXPECT_THAT(refusal("{}"), HasSubstr("test.gltf"));
   EXPECT_THAT(refusal("[1, 2]"), HasSubstr("test.gltf"));
   EXPECT_THAT(refusal("{\"asset\""), HasSubstr("not valid JSON"));
   EXPECT_THAT(refusal(""), HasSubstr("test.gltf"));
+}
+
+TEST(GltfDocument, WhatNothingUsesMayBeMissing) {
+  GltfBuilder gltf = triangle();
+  gltf.text();
+  nlohmann::json full = nlohmann::json::parse(gltf.text());
+  full["buffers"].push_back({{"byteLength", 100}});
+  full["buffers"].push_back({{"byteLength", 100}, {"uri", "absent.bin"}});
+  full["bufferViews"].push_back({{"buffer", 1}, {"byteLength", 100}});
+  full["bufferViews"].push_back({{"buffer", 2}, {"byteLength", 100}});
+  EXPECT_EQ(refusal(full.dump()), "");
+  full["accessors"][0]["bufferView"] = 1;
+  EXPECT_THAT(refusal(full.dump()), HasSubstr("buffers[1]: has no uri"));
+  full["accessors"][0]["bufferView"] = 2;
+  EXPECT_THAT(refusal(full.dump()), HasSubstr("buffers[2]: names the file 'absent.bin'"));
+}
+
+TEST(GltfDocument, EmptyPrimitivesAreLeftOutAndNamed) {
+  GltfBuilder gltf = triangle();
+  nlohmann::json empty = {{"attributes", {{"POSITION", 1}}}, {"indices", 2}};
+  gltf.push("accessors",
+            {{"bufferView", 0}, {"byteOffset", 96}, {"componentType", 5126}, {"count", 0}, {"type", "VEC3"}});
+  gltf.push("accessors",
+            {{"bufferView", 0}, {"byteOffset", 96}, {"componentType", 5125}, {"count", 0}, {"type", "SCALAR"}});
+  gltf.root["meshes"][0]["primitives"].push_back(empty);
+  const Scene scene = gltf.parse();
+  EXPECT_EQ(scene.meshes.size(), 1u);
+  EXPECT_THAT(scene.warnings, testing::ElementsAre(HasSubstr("primitives[1]: an empty primitive is left out")));
+}
+
+/// One rule for everything: what the file holds and the reader does not ask for is named once.
+TEST(GltfDocument, NothingIsPassedOverInSilence) {
+  const auto warnings = [](const char* array, const nlohmann::json& extra) {
+    GltfBuilder gltf = triangle();
+    gltf.root["materials"] = {nlohmann::json::object()};
+    gltf.root[array][0].update(extra);
+    const Scene scene = gltf.parse();
+    LoadOptions strict;
+    strict.strict = true;
+    if (scene.warnings.empty())
+      EXPECT_NO_THROW(gltf.parse(strict)) << array;
+    else
+      EXPECT_THROW(gltf.parse(strict), Error) << array;
+    return scene.warnings;
+  };
+  for (const char* array : {"nodes", "meshes", "materials", "accessors", "bufferViews"}) {
+    const std::string place = std::string(array) + "[0]: ";
+    EXPECT_THAT(warnings(array, {{"wings", {{"feathers", 3}}}}),
+                testing::ElementsAre(HasSubstr("test.gltf: " + place + "'wings' is left out")));
+    EXPECT_THAT(warnings(array, {{"extensions", {{"EXT_wings", {{"feathers", 3}}}}}}),
+                testing::ElementsAre(HasSubstr(place + "the extension 'EXT_wings' is left out")));
+    EXPECT_THAT(warnings(array, {{"extras", {{"feathers", 3}}}, {"name", "bird"}}), testing::IsEmpty());
+  }
+  EXPECT_THAT(warnings("nodes", {{"extensions", {{"KHR_node_visibility", {{"visible", true}, {"half", 1}}}}}}),
+              testing::ElementsAre(HasSubstr("nodes[0].extensions.KHR_node_visibility: 'half' is left out")));
+  GltfBuilder many = triangle();
+  for (int i = 0; i < 1000; ++i) many.push("nodes", {{"tail" + std::to_string(i), 1}, {"wings", 2}});
+  EXPECT_LT(many.parse().warnings.size(), 210u) << "a hostile file does not flood the log";
+  EXPECT_THAT(many.parse().warnings, testing::Contains(HasSubstr("'wings' is left out")));
+  EXPECT_THAT(many.parse().warnings.back(), HasSubstr("not shown"));
 }
 
 TEST(GltfDocument, AttributesMustAgreeOnTheNumberOfVertices) {

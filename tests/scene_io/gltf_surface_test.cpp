@@ -44,6 +44,28 @@ TEST(GltfSurface, MaterialsKeepTheirFactors) {
   EXPECT_EQ(m.transmission, 1);
 }
 
+TEST(GltfSurface, CoatsAndSpecularAreReadAndWhatIsLostIsNamed) {
+  GltfBuilder gltf;
+  gltf.triangle_node();
+  gltf.root["materials"] = {
+      {{"occlusionTexture", {{"index", 0}}},
+       {"extensions",
+        {{"KHR_materials_clearcoat", {{"clearcoatFactor", 0.5}, {"clearcoatRoughnessFactor", 0.25}}},
+         {"KHR_materials_specular", {{"specularFactor", 0.75}, {"specularColorFactor", {1, 0.5, 2}}}},
+         {"KHR_materials_sheen", {{"sheenColorFactor", {0, 0, 0.5}}}},
+         {"KHR_materials_iridescence", {{"iridescenceFactor", 0}}},
+         {"KHR_materials_anisotropy", {{"anisotropyStrength", 0.5}, {"anisotropyTexture", {{"index", 0}}}}}}}}};
+  const Scene scene = gltf.parse();
+  const Material& m = scene.materials[0];
+  EXPECT_EQ(m.clearcoat, 0.5f);
+  EXPECT_EQ(m.clearcoat_roughness, 0.25f);
+  EXPECT_EQ(m.specular, 0.75f);
+  EXPECT_EQ(m.specular_color, (Vec3f{1, 0.5f, 2}));
+  EXPECT_THAT(scene.warnings,
+              testing::ElementsAre(HasSubstr("materials[0]: pictures of occlusion"), HasSubstr("sheen is left out"),
+                                   HasSubstr("anisotropy is left out: highlights are round")));
+}
+
 TEST(GltfSurface, WithoutAMaterialTheSpecificationsDefaultHolds) {
   GltfBuilder gltf;
   gltf.triangle_node();
@@ -62,8 +84,18 @@ TEST(GltfSurface, TexturesArePathsBesideTheFile) {
   gltf.root["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
   const Scene scene = GltfBuilder::parse_text(gltf.text(), {}, "/nowhere/scenes");
   EXPECT_EQ(scene.materials[0].base_color_texture.picture, "/nowhere/scenes/old wood.png");
+  gltf.root["images"][0]["uri"] = "textures\\wood.png";
+  EXPECT_EQ(GltfBuilder::parse_text(gltf.text(), {}, "/nowhere/scenes").materials[0].base_color_texture.picture,
+            "/nowhere/scenes/textures/wood.png");
   gltf.root["images"][0]["uri"] = "../../etc/passwd";
-  EXPECT_THROW(GltfBuilder::parse_text(gltf.text(), {}, "/nowhere/scenes"), Error);
+  const Scene without = GltfBuilder::parse_text(gltf.text(), {}, "/nowhere/scenes");
+  EXPECT_TRUE(without.materials[0].base_color_texture.empty());
+  EXPECT_THAT(without.warnings, testing::ElementsAre(HasSubstr("a picture is left out: images[0]")));
+  gltf.root["images"][0]["uri"] = "DATA:image/png;base64,AAAA";
+  const Scene inside = GltfBuilder::parse_text(gltf.text(), {}, "/nowhere/scenes");
+  EXPECT_EQ(inside.embedded_pictures.begin()->second.size(), 3u);
+  gltf.root["images"][0]["uri"] = "dta:image/png;base64," + std::string(100'000, 'A');
+  EXPECT_LT(GltfBuilder::parse_text(gltf.text(), {}, "/nowhere/scenes").warnings.at(0).size(), 300u);
 }
 
 TEST(GltfSurface, CamerasMoveWithTheirNodesAndHaveNoScale) {
@@ -91,6 +123,13 @@ TEST(GltfSurface, CamerasMoveWithTheirNodesAndHaveNoScale) {
   EXPECT_NEAR(determinant3(motion.at(0.3, Side::after)), 1, 1e-9) << "neither scale nor mirroring is left";
   gltf.root["cameras"][0]["perspective"]["yfov"] = 0;
   EXPECT_THROW(gltf.parse(), Error);
+  gltf.root["cameras"][0]["perspective"].erase("yfov");
+  try {
+    gltf.parse();
+    FAIL() << "sees nothing";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("cameras[0].perspective: yfov is missing"));
+  }
 }
 
 TEST(GltfSurface, LightsAreKept) {

@@ -16,45 +16,28 @@ T load(const uint8_t* bytes) {
   return value;
 }
 
-int component_count(int type) {
-  switch (type) {
-    case TINYGLTF_TYPE_SCALAR:
-      return 1;
-    case TINYGLTF_TYPE_VEC2:
-      return 2;
-    case TINYGLTF_TYPE_VEC3:
-      return 3;
-    case TINYGLTF_TYPE_VEC4:
-      return 4;
-    case TINYGLTF_TYPE_MAT4:
-      return 16;
-    default:
-      return 0;  // 2x2 and 3x3 matrices have padding, and nothing that is read here uses them
-  }
-}
-
 /// Offsets of a view's elements: one every `stride` bytes.
 struct Elements {
   const uint8_t* data = nullptr;
   uint64_t stride = 0;
 };
 
-Elements dense_elements(const Document& document, const tinygltf::Accessor& accessor, uint64_t element_size,
+Elements dense_elements(Document& document, const file::Accessor& accessor, uint64_t element_size,
                         const std::string& where) {
   const auto& views = document.model.bufferViews;
-  if (accessor.bufferView < 0) return {};
+  if (accessor.bufferView < 0 || accessor.count == 0) return {};
   if (static_cast<size_t>(accessor.bufferView) >= views.size()) document.fail(where, "its buffer view does not exist");
   const uint64_t view_stride = views[static_cast<size_t>(accessor.bufferView)].byteStride;
   const uint64_t stride = view_stride == 0 ? element_size : view_stride;
   if (stride < element_size) document.fail(where, "its elements are larger than its buffer view's byteStride");
   if (accessor.count > (uint64_t{1} << 40)) document.fail(where, "has an absurd number of elements");
-  const uint64_t length = accessor.count == 0 ? 0 : (accessor.count - 1) * stride + element_size;
-  return {view_bytes(document, accessor.bufferView, accessor.byteOffset, length, where).data(), stride};
+  const uint64_t length = (accessor.count - 1) * stride + element_size;
+  return {document.view_bytes(accessor.bufferView, accessor.byteOffset, length, where).data(), stride};
 }
 
 /// Calls convert(bytes) for every component, in order, and puts what it returns into the result.
 template <class T, class Convert>
-std::vector<T> read(Document& document, const tinygltf::Accessor& accessor, int components, const std::string& where,
+std::vector<T> read(Document& document, const file::Accessor& accessor, int components, const std::string& where,
                     const Convert& convert) {
   const uint64_t size = component_size(accessor.componentType), element_size = size * static_cast<uint64_t>(components);
   const uint64_t width = static_cast<uint64_t>(components);
@@ -64,22 +47,20 @@ std::vector<T> read(Document& document, const tinygltf::Accessor& accessor, int 
   if (dense.data)
     for (uint64_t i = 0; i < accessor.count; ++i)
       for (uint64_t c = 0; c < width; ++c) values[i * width + c] = convert(dense.data + i * dense.stride + c * size);
-  if (!accessor.sparse.isSparse) return values;
+  if (!accessor.sparse) return values;
 
-  const auto& sparse = accessor.sparse;
-  const uint64_t index_size = sparse.indices.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE    ? 1
-                              : sparse.indices.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 2
-                              : sparse.indices.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT   ? 4
-                                                                                                       : 0;
+  const file::Accessor::Sparse& sparse = *accessor.sparse;
+  const uint64_t index_size = sparse.indices.componentType == file::kUnsignedByte    ? 1
+                              : sparse.indices.componentType == file::kUnsignedShort ? 2
+                              : sparse.indices.componentType == file::kUnsignedInt   ? 4
+                                                                                     : 0;
   if (index_size == 0) document.fail(where, "its sparse indices have a component type that is no unsigned integer");
-  if (sparse.count < 0 || sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0)
-    document.fail(where, "its sparse part has a negative count or offset");
-  const auto count = static_cast<uint64_t>(sparse.count);
+  const uint64_t count = sparse.count;
   if (count > accessor.count) document.fail(where, "replaces more elements than it has");
-  const auto indices = view_bytes(document, sparse.indices.bufferView, static_cast<uint64_t>(sparse.indices.byteOffset),
-                                  count * index_size, where);
-  const auto replacements = view_bytes(document, sparse.values.bufferView,
-                                       static_cast<uint64_t>(sparse.values.byteOffset), count * element_size, where);
+  const auto indices =
+      document.view_bytes(sparse.indices.bufferView, sparse.indices.byteOffset, count * index_size, where);
+  const auto replacements =
+      document.view_bytes(sparse.values.bufferView, sparse.values.byteOffset, count * element_size, where);
   for (uint64_t i = 0; i < count; ++i) {
     const auto index =
         static_cast<uint64_t>(component_value(indices.data() + i * index_size, sparse.indices.componentType, false));
@@ -91,10 +72,10 @@ std::vector<T> read(Document& document, const tinygltf::Accessor& accessor, int 
   return values;
 }
 
-const tinygltf::Accessor& typed_accessor(const Document& document, int index, int components, const std::string& user,
-                                         const std::string& where) {
-  const tinygltf::Accessor& accessor = get_accessor(document, index, user);
-  if (component_count(accessor.type) != components)
+const file::Accessor& typed_accessor(const Document& document, int index, int components, const std::string& user,
+                                     const std::string& where) {
+  const file::Accessor& accessor = get_accessor(document, index, user);
+  if (accessor.components != components)
     document.fail(where, fmt::format("has the wrong type for {}, which needs {} components", user, components));
   if (component_size(accessor.componentType) == 0)
     document.fail(where, fmt::format("has the unknown component type {}", accessor.componentType));
@@ -105,14 +86,14 @@ const tinygltf::Accessor& typed_accessor(const Document& document, int index, in
 
 uint64_t component_size(int type) {
   switch (type) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    case file::kByte:
+    case file::kUnsignedByte:
       return 1;
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+    case file::kShort:
+    case file::kUnsignedShort:
       return 2;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+    case file::kUnsignedInt:
+    case file::kFloat:
       return 4;
     default:
       return 0;
@@ -124,52 +105,35 @@ double component_value(const uint8_t* bytes, int type, bool normalized) {
     return normalized ? std::max(value / largest, -1.0) : value;
   };
   switch (type) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
+    case file::kByte:
       return scaled(load<int8_t>(bytes), 127);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    case file::kUnsignedByte:
       return scaled(load<uint8_t>(bytes), 255);
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
+    case file::kShort:
       return scaled(load<int16_t>(bytes), 32767);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+    case file::kUnsignedShort:
       return scaled(load<uint16_t>(bytes), 65535);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+    case file::kUnsignedInt:
       return load<uint32_t>(bytes);
-    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+    case file::kFloat:
       return load<float>(bytes);
     default:
       return 0;
   }
 }
 
-const tinygltf::Accessor& get_accessor(const Document& document, int index, const std::string& user) {
+const file::Accessor& get_accessor(const Document& document, int index, const std::string& user) {
   const auto& accessors = document.model.accessors;
   if (index < 0 || static_cast<size_t>(index) >= accessors.size())
     document.fail(user, fmt::format("names accessor {}, but there are {}", index, accessors.size()));
   return accessors[static_cast<size_t>(index)];
 }
 
-std::span<const uint8_t> view_bytes(const Document& document, int view, uint64_t offset, uint64_t length,
-                                    const std::string& where) {
-  const auto& views = document.model.bufferViews;
-  if (view < 0 || static_cast<size_t>(view) >= views.size())
-    document.fail(where, fmt::format("names buffer view {}, but there are {}", view, views.size()));
-  const tinygltf::BufferView& v = views[static_cast<size_t>(view)];
-  const std::string view_where = at("bufferViews", static_cast<size_t>(view));
-  if (v.buffer < 0 || static_cast<size_t>(v.buffer) >= document.buffers.size())
-    document.fail(view_where, fmt::format("names buffer {}, but there are {}", v.buffer, document.buffers.size()));
-  const auto buffer = document.buffers[static_cast<size_t>(v.buffer)];
-  if (v.byteOffset > buffer.size() || v.byteLength > buffer.size() - v.byteOffset)
-    document.fail(view_where, fmt::format("reaches beyond the {} bytes of its buffer", buffer.size()));
-  if (offset > v.byteLength || length > v.byteLength - offset)
-    document.fail(where, fmt::format("reaches beyond the {} bytes of its buffer view", v.byteLength));
-  return buffer.subspan(v.byteOffset + offset, length);
-}
-
 std::vector<float> read_floats(Document& document, int index, int components, const std::string& user) {
   const std::string where = at("accessors", static_cast<size_t>(std::max(index, 0)));
-  const tinygltf::Accessor& accessor = typed_accessor(document, index, components, user, where);
+  const file::Accessor& accessor = typed_accessor(document, index, components, user, where);
   const int type = accessor.componentType;
-  if (type == TINYGLTF_COMPONENT_TYPE_FLOAT)
+  if (type == file::kFloat)
     return read<float>(document, accessor, components, where, [](const uint8_t* bytes) { return load<float>(bytes); });
   const bool normalized = accessor.normalized;
   return read<float>(document, accessor, components, where, [type, normalized](const uint8_t* bytes) {
@@ -179,14 +143,14 @@ std::vector<float> read_floats(Document& document, int index, int components, co
 
 std::vector<uint32_t> read_integers(Document& document, int index, int components, const std::string& user) {
   const std::string where = at("accessors", static_cast<size_t>(std::max(index, 0)));
-  const tinygltf::Accessor& accessor = typed_accessor(document, index, components, user, where);
+  const file::Accessor& accessor = typed_accessor(document, index, components, user, where);
   switch (accessor.componentType) {
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    case file::kUnsignedByte:
       return read<uint32_t>(document, accessor, components, where, [](const uint8_t* b) { return uint32_t{*b}; });
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+    case file::kUnsignedShort:
       return read<uint32_t>(document, accessor, components, where,
                             [](const uint8_t* b) { return uint32_t{load<uint16_t>(b)}; });
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+    case file::kUnsignedInt:
       return read<uint32_t>(document, accessor, components, where, [](const uint8_t* b) { return load<uint32_t>(b); });
     default:
       document.fail(where, "must hold unsigned integers, for " + user);

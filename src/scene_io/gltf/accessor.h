@@ -11,11 +11,7 @@
 namespace kairos::gltf {
 
 /// The accessor, or Error: `user` ("skins[0].inverseBindMatrices") names one that does not exist.
-const tinygltf::Accessor& get_accessor(const Document& document, int index, const std::string& user);
-
-/// `length` bytes at `offset` of a buffer view. Throws Error at `where` when they are not all there.
-std::span<const uint8_t> view_bytes(const Document& document, int view, uint64_t offset, uint64_t length,
-                                    const std::string& where);
+const file::Accessor& get_accessor(const Document& document, int index, const std::string& user);
 
 /// [element][component] flattened. Integers become floats, in [0, 1] or [-1, 1] where the accessor says normalized.
 /// Throws Error unless elements have `components` (1 to 4, or 16 for a 4x4 matrix) and all of their bytes exist.

@@ -1,8 +1,11 @@
 // Which animation plays, and its channels as tracks on nodes.
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -37,7 +40,7 @@ size_t target_count(const Document& document, int node) {
   return count;
 }
 
-std::shared_ptr<const Track> read_track(Document& document, const tinygltf::AnimationSampler& sampler, bool is_rotation,
+std::shared_ptr<const Track> read_track(Document& document, const file::AnimationSampler& sampler, bool is_rotation,
                                         int components, size_t width, const std::string& where) {
   const auto interpolation = interpolation_named(sampler.interpolation);
   if (!interpolation) document.fail(where, "has the unknown interpolation '" + printable(sampler.interpolation) + "'");
@@ -55,14 +58,45 @@ std::shared_ptr<const Track> read_track(Document& document, const tinygltf::Anim
   return std::make_shared<const Track>(*interpolation, is_rotation, width, std::move(times), std::move(values));
 }
 
-void read_channel(Document& document, const tinygltf::Animation& animation, const tinygltf::AnimationChannel& channel,
+/// "/nodes/N/extensions/...": of what kind a pointer's target is.
+std::string without_indices(const std::string& pointer) {
+  std::string result;
+  for (size_t i = 0; i < pointer.size(); ++i) {
+    const bool is_digit = pointer[i] >= '0' && pointer[i] <= '9';
+    if (!is_digit)
+      result += pointer[i];
+    else if (result.back() != 'N' || pointer[i - 1] == 'N')
+      result += 'N';
+  }
+  return result;
+}
+
+/// A pointer to a node's own motion says what a plain target does; null for any other.
+std::optional<file::Channel> as_plain(const file::Channel& channel) {
+  const std::string& pointer = channel.target_path;
+  constexpr std::string_view kNodes = "/nodes/";
+  if (!pointer.starts_with(kNodes)) return std::nullopt;
+  file::Channel plain = channel;
+  const char *begin = pointer.data() + kNodes.size(), *end = pointer.data() + pointer.size();
+  const auto [stop, failure] = std::from_chars(begin, end, plain.target_node);
+  if (failure != std::errc() || stop == end || *stop != '/') return std::nullopt;
+  plain.target_path.assign(stop + 1, end);
+  for (const char* known : {"translation", "rotation", "scale", "weights"})
+    if (plain.target_path == known) return plain;
+  return std::nullopt;
+}
+
+void read_channel(Document& document, const file::Animation& animation, const file::Channel& channel,
                   const std::string& where, NodeGraph& graph, Warnings& warnings) {
-  if (channel.target_node < 0) return;  // what an unknown extension animates
+  if (channel.target_path.starts_with("/"))
+    return warnings.add(where,
+                        "the animation of '" + printable(without_indices(channel.target_path)) + "' is left out");
+  if (channel.target_node < 0) return warnings.add(where, "an animation of nothing is left out");
   if (static_cast<size_t>(channel.target_node) >= graph.nodes.size())
     document.fail(where, fmt::format("names node {}, but there are {}", channel.target_node, graph.nodes.size()));
   if (channel.sampler < 0 || static_cast<size_t>(channel.sampler) >= animation.samplers.size())
     document.fail(where, fmt::format("names sampler {}, but there are {}", channel.sampler, animation.samplers.size()));
-  const tinygltf::AnimationSampler& sampler = animation.samplers[static_cast<size_t>(channel.sampler)];
+  const file::AnimationSampler& sampler = animation.samplers[static_cast<size_t>(channel.sampler)];
   Node& node = graph.nodes[static_cast<size_t>(channel.target_node)];
 
   std::shared_ptr<const Track>* slot = nullptr;
@@ -84,7 +118,7 @@ void read_channel(Document& document, const tinygltf::Animation& animation, cons
   }
   if (!slot) return warnings.add(where, "animation of '" + printable(channel.target_path) + "' is left out");
   if (node.has_matrix && !is_weights) return warnings.add(where, "animation of a node with a matrix is left out");
-  if (*slot) return warnings.add(where, "a second animation of the same property is left out");
+  if (*slot) return warnings.add(where, "what several animations move goes as the first of them says");
   *slot = read_track(document, sampler, is_rotation, components, width, where);
 }
 
@@ -109,20 +143,62 @@ std::string listed(const std::vector<std::string>& names) {
   return names.empty() ? "none" : names.size() > kMost ? result + ", ..." : result;
 }
 
-void play_animation(Document& document, const std::string& wanted, NodeGraph& graph, Warnings& warnings) {
+namespace {
+
+/// From the file's own bounds of its key times; nothing where it has none.
+std::optional<std::array<double, 2>> range_of(const Document& document, const file::Animation& animation) {
+  std::optional<std::array<double, 2>> range;
+  for (const file::AnimationSampler& sampler : animation.samplers) {
+    const auto& accessors = document.model.accessors;
+    if (sampler.input < 0 || static_cast<size_t>(sampler.input) >= accessors.size()) continue;
+    const file::Accessor& times = accessors[static_cast<size_t>(sampler.input)];
+    if (times.min.size() != 1 || times.max.size() != 1) continue;
+    if (!range) range = {times.min[0], times.max[0]};
+    (*range)[0] = std::min((*range)[0], times.min[0]);
+    (*range)[1] = std::max((*range)[1], times.max[0]);
+  }
+  return range;
+}
+
+/// [animation]: does it play?
+std::vector<bool> chosen(const Document& document, const std::string& wanted) {
   const auto& animations = document.model.animations;
-  if (wanted == "none" || (wanted.empty() && animations.empty())) return;
   std::vector<std::string> names;
   names.reserve(animations.size());
-  for (const auto& animation : animations) names.push_back(animation.name);
-  const int index = wanted.empty() ? 0 : find_by_name_or_index(names, wanted);
-  if (index < 0)
-    throw Error(ErrorCode::bad_usage, document.name,
-                "has no animation '" + printable(wanted) + "'; it has: " + listed(names) + " (or give 'none')");
-  const tinygltf::Animation& animation = animations[static_cast<size_t>(index)];
-  for (size_t i = 0; i < animation.channels.size(); ++i)
-    read_channel(document, animation, animation.channels[i],
-                 at("animations", static_cast<size_t>(index)) + "." + at("channels", i), graph, warnings);
+  for (const file::Animation& animation : animations) names.push_back(animation.name);
+  const int index = wanted.empty() && !animations.empty() ? 0 : find_by_name_or_index(names, wanted);
+  std::vector<bool> plays(animations.size(), index < 0 && wanted == "all");
+  if (index >= 0) plays[static_cast<size_t>(index)] = true;
+  if (index < 0 && !wanted.empty() && wanted != "none" && wanted != "all")
+    throw Error(
+        ErrorCode::bad_usage, document.name,
+        "has no animation '" + printable(wanted) + "'; it has: " + listed(names) + " (or give 'all' or 'none')");
+  return plays;
+}
+
+}  // namespace
+
+void play_animations(Document& document, const std::string& wanted, NodeGraph& graph, Scene& scene,
+                     Warnings& warnings) {
+  const auto& animations = document.model.animations;
+  const std::vector<bool> plays = chosen(document, wanted);
+  std::vector<std::string> resting;
+  for (size_t a = 0; a < animations.size(); ++a) {
+    const file::Animation& animation = animations[a];
+    scene.animations.push_back({printable(animation.name), range_of(document, animation), plays[a]});
+    if (!plays[a]) {
+      resting.push_back(animation.name);
+      continue;
+    }
+    for (size_t i = 0; i < animation.channels.size(); ++i) {
+      const file::Channel& channel = animation.channels[i];
+      read_channel(document, animation, as_plain(channel).value_or(channel),
+                   at("animations", a) + "." + at("channels", i), graph, warnings);
+    }
+  }
+  if (wanted.empty() && !resting.empty())
+    scene.notes.push_back(fmt::format("{}: of {} animations the first plays; not {} (--animation chooses one, or all)",
+                                      document.name, animations.size(), listed(resting)));
 }
 
 }  // namespace kairos::gltf

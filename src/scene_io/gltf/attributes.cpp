@@ -9,20 +9,16 @@
 
 namespace kairos::gltf {
 
-namespace {
-constexpr const char* kDraco = "KHR_draco_mesh_compression";
-}
-
-AttributeReader::AttributeReader(Document& document, const tinygltf::Primitive& source, const std::string& where)
+AttributeReader::AttributeReader(Document& document, const file::Primitive& source, const std::string& where)
     : document_(document), source_(source), where_(where) {
   position_ = &get_accessor(document, source.attributes.at("POSITION"), where + ".attributes.POSITION");
   if (position_->count > std::numeric_limits<uint32_t>::max())
     document.fail(at("accessors", static_cast<size_t>(source.attributes.at("POSITION"))),
                   "has more than 2^32 vertices");
-  if (const auto found = source.extensions.find(kDraco); found != source.extensions.end()) decode(found->second);
+  if (source.draco) decode(*source.draco);
 }
 
-const tinygltf::Accessor& AttributeReader::accessor(const std::string& name) const {
+const file::Accessor& AttributeReader::accessor(const std::string& name) const {
   return get_accessor(document_, source_.attributes.at(name), where_ + ".attributes." + printable(name));
 }
 
@@ -64,24 +60,16 @@ int AttributeReader::checked_accessor(int accessor, const std::string& name) con
   return accessor;
 }
 
-void AttributeReader::decode(const tinygltf::Value& extension) {
-  const std::string where = where_ + ".extensions." + kDraco;
-  const bool sound = extension.Has("bufferView") && extension.Get("bufferView").IsInt() &&
-                     extension.Has("attributes") && extension.Get("attributes").IsObject();
-  if (!sound) document_.fail(where, "needs a bufferView and attributes");
-  const tinygltf::Value& attributes = extension.Get("attributes");
-  for (const std::string& name : attributes.Keys()) {
-    const tinygltf::Value& id = attributes.Get(name);
-    if (!id.IsInt() || id.GetNumberAsInt() < 0) document_.fail(where, "its attributes must be ids");
-    draco_ids_[name] = static_cast<uint32_t>(id.GetNumberAsInt());
-  }
-  const int view = extension.Get("bufferView").GetNumberAsInt();
-  if (view < 0 || static_cast<size_t>(view) >= document_.model.bufferViews.size())
-    document_.fail(where, fmt::format("names buffer view {}, which does not exist", view));
-  const uint64_t length = document_.model.bufferViews[static_cast<size_t>(view)].byteLength;
-  const bool is_list = source_.mode == TINYGLTF_MODE_TRIANGLES && source_.indices >= 0;
+void AttributeReader::decode(const file::Primitive::Draco& draco) {
+  const std::string where = where_ + ".extensions.KHR_draco_mesh_compression";
+  for (const auto& [name, id] : draco.attributes) draco_ids_[name] = static_cast<uint32_t>(id);
+  const auto& views = document_.model.bufferViews;
+  if (draco.bufferView < 0 || static_cast<size_t>(draco.bufferView) >= views.size())
+    document_.fail(where, fmt::format("names buffer view {}, which does not exist", draco.bufferView));
+  const uint64_t length = views[static_cast<size_t>(draco.bufferView)].byteLength;
+  const bool is_list = source_.mode == file::kTriangles && source_.indices >= 0;
   const uint64_t corners = is_list ? get_accessor(document_, source_.indices, where_ + ".indices").count : 0;
-  draco_.emplace(document_, view_bytes(document_, view, 0, length, where), vertex_count(), corners, where);
+  draco_.emplace(document_, document_.view_bytes(draco.bufferView, 0, length, where), vertex_count(), corners, where);
 }
 
 }  // namespace kairos::gltf

@@ -16,12 +16,12 @@ namespace kairos::gltf {
 class AttributeReader {
  public:
   /// The primitive has a POSITION, and lives as long as the reader. Throws Error for what cannot be decoded.
-  AttributeReader(Document& document, const tinygltf::Primitive& source, const std::string& where);
+  AttributeReader(Document& document, const file::Primitive& source, const std::string& where);
 
   size_t vertex_count() const { return position_->count; }
   bool is_draco() const { return draco_.has_value(); }
   bool has(const std::string& name) const { return source_.attributes.count(name) != 0; }
-  const tinygltf::Accessor& accessor(const std::string& name) const;
+  const file::Accessor& accessor(const std::string& name) const;
 
   /// One element per vertex, flattened. Throws Error for an accessor that has not so many, or of another kind.
   std::vector<float> floats(const std::string& name, int components);
@@ -34,12 +34,12 @@ class AttributeReader {
   int checked_accessor(int accessor, const std::string& name) const;
 
  private:
-  void decode(const tinygltf::Value& extension);
+  void decode(const file::Primitive::Draco& draco);
 
   Document& document_;
-  const tinygltf::Primitive& source_;
+  const file::Primitive& source_;
   std::string where_;
-  const tinygltf::Accessor* position_;
+  const file::Accessor* position_;
   std::optional<DracoMesh> draco_;
   std::map<std::string, uint32_t> draco_ids_;
 };

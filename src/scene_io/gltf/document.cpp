@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cstring>
-#include <exception>
 #include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
-#include "scene_io/gltf/schema.h"
+#include "scene_io/gltf/meshopt.h"
+#include "scene_io/not_a_scene.h"
 
 namespace kairos::gltf {
 
@@ -42,7 +42,7 @@ Chunks split_container(std::span<const uint8_t> bytes, const std::string& name) 
   constexpr uint64_t kHeader = 12, kChunkHeader = 8;
   constexpr uint32_t kJson = 0x4E4F534A, kBinary = 0x004E4942;
   if (bytes.size() < kHeader + kChunkHeader) fail("is cut short: a GLB has at least 20 bytes");
-  if (word(4) != 2) fail(fmt::format("is GLB version {}; only version 2 is supported", word(4)));
+  if (word(4) != 2) fail(fmt::format("is a GLB of glTF {}.0, and only 2.0 is supported; convert the file", word(4)));
   const uint64_t length = word(8);
   if (length > bytes.size())
     fail(fmt::format("is cut short: its header promises {} bytes, it has {}", length, bytes.size()));
@@ -93,93 +93,6 @@ json parse_json(std::span<const uint8_t> text, const std::string& name) {
   }
 }
 
-void read_buffers(Document& document, const json& root, std::span<const uint8_t> binary, const std::string& folder) {
-  std::map<std::string, size_t> files;  // path -> index in buffer_bytes: a file named often is read once
-  uint64_t total = 0;
-  const json buffers = root.value("buffers", json::array());
-  document.buffer_bytes.reserve(buffers.size());  // spans point into it
-  for (size_t i = 0; i < buffers.size(); ++i) {
-    const json& buffer = buffers[i];
-    const std::string where = at("buffers", i), place = document.name + ": " + where;
-    if (!buffer.contains("byteLength")) document.fail(where, "has no byteLength");
-    const uint64_t length = buffer["byteLength"].get<uint64_t>();
-    std::span<const uint8_t> bytes;
-    const std::string uri = buffer.value("uri", std::string());
-    if (uri.empty()) {
-      if (i != 0 || binary.empty()) document.fail(where, "has no uri, and the file has no binary chunk for it");
-      bytes = binary;
-    } else if (is_data_uri(uri)) {
-      document.buffer_bytes.push_back(decode_data_uri(uri, place));
-      bytes = document.buffer_bytes.back();
-    } else {
-      const std::string relative = percent_decode(uri);
-      if (folder.empty())
-        document.fail(where, "names the file '" + printable(relative) + "', but only this one is read");
-      const std::string path = resolve_inside(folder, relative, place);
-      const auto [known, is_new] = files.emplace(path, document.buffer_bytes.size());
-      if (is_new) document.buffer_bytes.push_back(read_file(path, kMaxBufferBytes - total));
-      bytes = document.buffer_bytes[known->second];
-      if (is_new) total += bytes.size();
-    }
-    if (length > bytes.size())
-      document.fail(where, fmt::format("should have {} bytes but has {}", length, bytes.size()));
-    document.buffers.push_back(bytes.first(length));
-  }
-}
-
-void read_image_sources(Document& document, const json& root, const std::string& folder) {
-  const json images = root.value("images", json::array());
-  for (size_t i = 0; i < images.size(); ++i) {
-    const std::string uri = images[i].value("uri", std::string());
-    const std::string place = document.name + ": " + at("images", i);
-    ImageSource& image = document.images.emplace_back();
-    if (is_data_uri(uri)) {
-      image = {place, true, -1, decode_data_uri(uri, place)};
-    } else if (uri.empty() && images[i].contains("bufferView")) {
-      image = {place, true, images[i]["bufferView"].get<int>(), {}};
-    } else if (!uri.empty() && !folder.empty()) {
-      image.name = resolve_inside(folder, percent_decode(uri), place);
-    }
-  }
-}
-
-/// Has tinygltf fill its structs. What it does beyond syntax is kept from it: it gets neither buffers nor images,
-/// and its demand that index accessors have a buffer view (those of Draco do not) is met by a stand-in.
-void fill_model(Document& document, json& root) {
-  root.erase("buffers");
-  root.erase("images");
-  json& views = root["bufferViews"];
-  if (views.is_null()) views = json::array();
-  const size_t stand_in = views.size();
-  views.push_back({{"buffer", 0}, {"byteLength", 1}});
-  if (const auto accessors = root.find("accessors"); accessors != root.end())
-    for (size_t i = 0; i < accessors->size(); ++i) {
-      json& view = (*accessors)[i]["bufferView"];
-      if (view.is_null())
-        view = stand_in;
-      else if (view.get<uint64_t>() >= stand_in)
-        document.fail(at("accessors", i), fmt::format("names buffer view {}, but there are {}", view.dump(), stand_in));
-    }
-
-  tinygltf::TinyGLTF reader;
-  const std::string text = root.dump();
-  std::string errors, ignored;
-  bool ok = false;
-  try {
-    ok = reader.LoadASCIIFromString(&document.model, &errors, &ignored, text.data(),
-                                    static_cast<unsigned int>(text.size()), "");
-  } catch (const std::exception& e) {
-    errors = e.what();
-  }
-  if (!ok) throw Error(ErrorCode::bad_input, document.name, "is not sound glTF: " + one_line(errors));
-  document.model.bufferViews.pop_back();
-  for (tinygltf::Accessor& accessor : document.model.accessors)
-    if (accessor.bufferView == static_cast<int>(stand_in)) accessor.bufferView = -1;
-  if (document.model.asset.version.rfind("2.", 0) != 0)
-    document.fail("asset.version",
-                  "is '" + printable(document.model.asset.version) + "'; only glTF 2 is supported, convert the file");
-}
-
 }  // namespace
 
 std::string at(const char* array, size_t index) { return fmt::format("{}[{}]", array, index); }
@@ -193,18 +106,88 @@ void Document::charge(uint64_t bytes, const std::string& where) {
   memory_left -= bytes;
 }
 
-Document read_document(std::span<const uint8_t> bytes, const std::string& name, const std::string& folder) {
+std::string path_of_uri(const Document& document, const std::string& uri, const std::string& where) {
+  constexpr size_t kLongest = 4096;
+  if (uri.size() > kLongest)
+    document.fail(where, fmt::format("names a file by {} characters; a data: URI begins with 'data:'", uri.size()));
+  std::string relative = percent_decode(uri);
+  std::replace(relative.begin(), relative.end(), '\\', '/');
+  if (document.folder.empty())
+    document.fail(where, "names the file '" + printable(relative) + "', but only this one is read");
+  return resolve_inside(document.folder, relative, document.name + ": " + where);
+}
+
+std::span<const uint8_t> Document::buffer(int index, const std::string& user) {
+  if (index < 0 || static_cast<size_t>(index) >= model.buffers.size())
+    fail(user, fmt::format("names buffer {}, but there are {}", index, model.buffers.size()));
+  if (const auto known = buffers_.find(index); known != buffers_.end()) return known->second;
+  const file::Buffer& source = model.buffers[static_cast<size_t>(index)];
+  const std::string where = at("buffers", static_cast<size_t>(index));
+  std::span<const uint8_t> bytes;
+  if (source.uri.empty()) {
+    if (index != 0 || binary.empty()) fail(where, "has no uri, and the file has no binary chunk for it");
+    bytes = binary;
+  } else if (is_data_uri(source.uri)) {
+    bytes = data_[index] = decode_data_uri(source.uri, name + ": " + where);
+    memory_left += kMemoryPerInputByte * bytes.size();
+  } else {
+    const std::string path = path_of_uri(*this, source.uri, where);
+    const auto [file, is_new] = files_.try_emplace(path);
+    if (is_new) {
+      uint64_t total = 0;
+      for (const auto& [other, read] : files_) total += read.size();
+      file->second = read_file(path, kMaxBufferBytes - std::min(total, kMaxBufferBytes));
+      memory_left += kMemoryPerInputByte * file->second.size();
+    }
+    bytes = file->second;
+    if (const std::string other = what_it_is(bytes); !other.empty()) throw Error(ErrorCode::bad_input, path, other);
+  }
+  if (source.byteLength > bytes.size())
+    fail(where, fmt::format("should have {} bytes but has {}", source.byteLength, bytes.size()));
+  return buffers_[index] = bytes.first(source.byteLength);
+}
+
+std::span<const uint8_t> Document::unpacked(size_t view, const std::string& where) {
+  const file::Compression& packed = *model.bufferViews[view].compression;
+  const auto [found, is_new] = unpacked_.try_emplace(view);
+  if (!is_new) return found->second;
+  const std::span<const uint8_t> all = buffer(packed.buffer, where);
+  if (packed.byteOffset > all.size() || packed.byteLength > all.size() - packed.byteOffset)
+    fail(where, fmt::format("its compressed part reaches beyond the {} bytes of its buffer", all.size()));
+  found->second = decode_meshopt(*this, packed, all.subspan(packed.byteOffset, packed.byteLength), where);
+  return found->second;
+}
+
+std::span<const uint8_t> Document::view_bytes(int view, uint64_t offset, uint64_t length, const std::string& where) {
+  if (view < 0 || static_cast<size_t>(view) >= model.bufferViews.size())
+    fail(where, fmt::format("names buffer view {}, but there are {}", view, model.bufferViews.size()));
+  const file::BufferView& v = model.bufferViews[static_cast<size_t>(view)];
+  const std::string view_where = at("bufferViews", static_cast<size_t>(view));
+  std::span<const uint8_t> bytes;
+  if (v.compression) {
+    bytes = unpacked(static_cast<size_t>(view), view_where);
+  } else {
+    bytes = buffer(v.buffer, view_where);
+    if (v.byteOffset > bytes.size() || v.byteLength > bytes.size() - v.byteOffset)
+      fail(view_where, fmt::format("reaches beyond the {} bytes of its buffer", bytes.size()));
+    bytes = bytes.subspan(v.byteOffset, v.byteLength);
+  }
+  if (offset > bytes.size() || length > bytes.size() - offset)
+    fail(where, fmt::format("reaches beyond the {} bytes of its buffer view", bytes.size()));
+  return bytes.subspan(offset, length);
+}
+
+Document read_document(std::span<const uint8_t> bytes, const std::string& name, const std::string& folder,
+                       Warnings& warnings) {
+  if (const std::string other = what_it_is(bytes); !other.empty()) throw Error(ErrorCode::bad_input, name, other);
   const Chunks chunks = split_container(bytes, name);
   json root = parse_json(chunks.json, name);
-  check_schema(root, name);
   Document document;
   document.name = name;
-  read_buffers(document, root, chunks.binary, folder);
-  read_image_sources(document, root, folder);
-  uint64_t input = bytes.size();
-  for (const auto& buffer : document.buffer_bytes) input += buffer.size();
-  document.memory_left = kMemoryFloor + kMemoryPerInputByte * input;
-  fill_model(document, root);
+  document.folder = folder;
+  document.binary = chunks.binary;
+  document.memory_left = kMemoryFloor + kMemoryPerInputByte * bytes.size();
+  document.model = file::read_model(root, name, warnings);
   return document;
 }
 

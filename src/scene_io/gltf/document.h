@@ -1,57 +1,25 @@
-// A glTF document whose syntax, types and buffers are known to be sound; what its indices and counts say is not.
+// A glTF document whose syntax and types are known to be sound; what its indices and counts say is not.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <kairos/error.h>
-#include <kairos/scene.h>
 
+#include "scene_io/gltf/file_model.h"
 #include "scene_io/gltf/text.h"
-#include "scene_io/gltf/tinygltf.h"
+#include "scene_io/gltf/warnings.h"
 
 namespace kairos::gltf {
 
-/// Collects warnings so that what happens a thousand times is said once. With `strict` a warning is an Error instead.
-class Warnings {
- public:
-  Warnings(std::string file, bool strict) : file_(std::move(file)), strict_(strict) {}
-
-  /// `what` is said once, with the place where it was met first and, where it makes sense, how many there were in all.
-  void add(const std::string& where, const std::string& what, uint64_t count = 1);
-  std::vector<std::string> lines() const;
-
- private:
-  struct Entry {
-    std::string where;
-    uint64_t count = 0;
-  };
-  std::string file_;
-  bool strict_;
-  std::vector<std::string> order_;
-  std::map<std::string, Entry> entries_;
-};
-
-/// Where an encoded picture is: in a file, in a buffer view or (a data: URI) in `bytes`.
-struct ImageSource {
-  std::string name;  ///< path, or what an embedded one is called
-  bool embedded = false;
-  int buffer_view = -1;
-  std::vector<uint8_t> bytes;
-};
-
 struct Document {
-  std::string name;                               ///< for messages
-  tinygltf::Model model;                          ///< without buffers and images, which are below
-  std::vector<std::span<const uint8_t>> buffers;  ///< as long as byteLength says
-  std::vector<ImageSource> images;
-  std::vector<std::vector<uint8_t>> buffer_bytes;  ///< what `buffers` point to, other than a GLB's own chunk
-  uint64_t memory_left = 0;                        ///< what decoding may still allocate, bytes
+  std::string name;    ///< for messages
+  std::string folder;  ///< that files it names must lie in; empty: none may be named
+  file::Model model;
+  uint64_t memory_left = 0;  ///< what decoding may still allocate, bytes
 
   /// Throws Error(bad_input, "name: where").
   [[noreturn]] void fail(const std::string& where, const std::string& message) const;
@@ -59,16 +27,35 @@ struct Document {
   /// To be called before anything of a size that the file names is allocated. A file may grow by a large factor when it
   /// is decoded (Draco, sparse accessors, instances), but not without limit.
   void charge(uint64_t bytes, const std::string& where);
+
+  /// `length` bytes at `offset` of a buffer view, which is read and unpacked when it is first asked for: what nothing
+  /// uses may be missing. Throws Error at `where` when they are not all there.
+  std::span<const uint8_t> view_bytes(int view, uint64_t offset, uint64_t length, const std::string& where);
+
+  /// As long as its byteLength. Throws Error when there are not so many bytes.
+  std::span<const uint8_t> buffer(int index, const std::string& user);
+
+  std::span<const uint8_t> binary;  ///< a GLB's own chunk
+
+ private:
+  std::span<const uint8_t> unpacked(size_t view, const std::string& where);
+
+  std::map<int, std::span<const uint8_t>> buffers_;    // those that were asked for
+  std::map<std::string, std::vector<uint8_t>> files_;  // by path: a file named often is read once
+  std::map<int, std::vector<uint8_t>> data_;           // of data: URIs, by buffer
+  std::map<size_t, std::vector<uint8_t>> unpacked_;    // by view
 };
 
 /// `bytes` is a .gltf or a .glb and must outlive the document. Files that it names must lie in `folder`; none may be
-/// named when that is empty. Throws Error.
-Document read_document(std::span<const uint8_t> bytes, const std::string& name, const std::string& folder);
+/// named when that is empty. What it holds and is not read is named in `warnings`. Throws Error.
+Document read_document(std::span<const uint8_t> bytes, const std::string& name, const std::string& folder,
+                       Warnings& warnings);
+
+/// A file's path from a URI, within the document's folder: backslashes, which URIs have not, count as slashes. Throws
+/// Error at `where`.
+std::string path_of_uri(const Document& document, const std::string& uri, const std::string& where);
 
 /// "nodes[3]".
 std::string at(const char* array, size_t index);
-
-/// Throws for a required extension that is not supported, and warns of those that are left out.
-void check_extensions(const Document& document, Warnings& warnings);
 
 }  // namespace kairos::gltf

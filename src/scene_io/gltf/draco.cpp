@@ -14,18 +14,18 @@ namespace {
 int component_type(draco::DataType type) {
   switch (type) {
     case draco::DT_INT8:
-      return TINYGLTF_COMPONENT_TYPE_BYTE;
+      return file::kByte;
     case draco::DT_UINT8:
     case draco::DT_BOOL:
-      return TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
+      return file::kUnsignedByte;
     case draco::DT_INT16:
-      return TINYGLTF_COMPONENT_TYPE_SHORT;
+      return file::kShort;
     case draco::DT_UINT16:
-      return TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
+      return file::kUnsignedShort;
     case draco::DT_UINT32:
-      return TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+      return file::kUnsignedInt;
     case draco::DT_FLOAT32:
-      return TINYGLTF_COMPONENT_TYPE_FLOAT;
+      return file::kFloat;
     default:
       return -1;
   }

@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "scene_io/gltf/document.h"
+#include "scene_io/gltf/instances.h"
 #include "scene_io/gltf/motion.h"
 #include "scene_io/gltf/nodes.h"
 #include "scene_io/gltf/primitive.h"
@@ -45,22 +46,22 @@ std::string first_of(const std::string& a, const std::string& b, const std::stri
 
 class SceneReader {
  public:
-  SceneReader(Document document, const LoadOptions& options)
-      : document_(std::move(document)), options_(options), warnings_(document_.name, options.strict) {}
+  SceneReader(std::span<const uint8_t> bytes, const std::string& name, const std::string& folder,
+              const LoadOptions& options)
+      : options_(options), warnings_(name, options.strict), document_(read_document(bytes, name, folder, warnings_)) {}
 
   Scene read() {
-    check_extensions(document_, warnings_);
     auto graph = std::make_shared<NodeGraph>(document_);
-    play_animation(document_, options_.animation, *graph, warnings_);
-    for (const auto& animation : document_.model.animations) scene_.animations.push_back(printable(animation.name));
+    play_animations(document_, options_.animation, *graph, scene_, warnings_);
     graph_ = std::move(graph);
     read_materials(document_, scene_, warnings_);
-    const std::vector<int> nodes = nodes_of_scene();
-    for (int node : nodes) {
-      add_meshes(node);
-      add_camera(node);
+    std::vector<int> lit;
+    for (const SeenNode& node : nodes_of_scene()) {
+      if (node.is_visible) add_meshes(node.index);
+      add_camera(node.index);
+      if (node.is_visible) lit.push_back(node.index);
     }
-    add_lights(nodes);
+    add_lights(lit);
     scene_.warnings = warnings_.lines();
     return std::move(scene_);
   }
@@ -72,7 +73,7 @@ class SceneReader {
     std::vector<std::string> names;
     names.reserve(scenes.size());
     for (const auto& scene : scenes) names.push_back(scene.name);
-    int index = document_.model.defaultScene;
+    int index = document_.model.scene;
     if (!options_.gltf_scene.empty()) {
       index = find_by_name_or_index(names, options_.gltf_scene);
       if (index < 0)
@@ -88,57 +89,75 @@ class SceneReader {
     return result;
   }
 
+  struct SeenNode {
+    int index;
+    bool is_visible;
+  };
+
   /// All nodes of the scene, parents before children and siblings in the file's order.
-  std::vector<int> nodes_of_scene() const {
-    std::vector<int> stack = roots(), result;
-    for (int root : stack)
+  std::vector<SeenNode> nodes_of_scene() const {
+    const std::vector<int> first = roots();
+    std::vector<SeenNode> stack, result;
+    for (int root : first)
       if (root < 0 || static_cast<size_t>(root) >= graph_->nodes.size())
         document_.fail("scenes", fmt::format("a scene names node {}, but there are {}", root, graph_->nodes.size()));
-    std::reverse(stack.begin(), stack.end());
+    for (auto root = first.rbegin(); root != first.rend(); ++root) stack.push_back({*root, true});
     std::vector<bool> seen(graph_->nodes.size(), false);
     while (!stack.empty()) {
-      const auto node = static_cast<size_t>(stack.back());
+      const SeenNode parent = stack.back();
+      const auto node = static_cast<size_t>(parent.index);
       stack.pop_back();
       if (seen[node]) continue;
       seen[node] = true;
-      result.push_back(static_cast<int>(node));
-      const auto& children = document_.model.nodes[node].children;
-      stack.insert(stack.end(), children.rbegin(), children.rend());
+      const file::Node& source = document_.model.nodes[node];
+      const bool is_visible = parent.is_visible && source.visible;  // who hides hides all below
+      result.push_back({parent.index, is_visible});
+      for (auto child = source.children.rbegin(); child != source.children.rend(); ++child)
+        stack.push_back({*child, is_visible});
     }
     return result;
   }
 
   void add_meshes(int node) {
-    const tinygltf::Node& source = document_.model.nodes[static_cast<size_t>(node)];
+    const file::Node& source = document_.model.nodes[static_cast<size_t>(node)];
     const std::string where = at("nodes", static_cast<size_t>(node));
     if (source.mesh < 0) return;
     const auto& meshes = document_.model.meshes;
     if (static_cast<size_t>(source.mesh) >= meshes.size())
       document_.fail(where, fmt::format("names mesh {}, but there are {}", source.mesh, meshes.size()));
-    const tinygltf::Mesh& mesh = meshes[static_cast<size_t>(source.mesh)];
+    const file::Mesh& mesh = meshes[static_cast<size_t>(source.mesh)];
     const std::string name = first_of(source.name, mesh.name, fmt::format("mesh{}", source.mesh));
+    std::vector<Mat4> places(1);
+    if (source.instances) places = read_instances(document_, *source.instances, where, warnings_);
     for (const auto& primitive : primitives_of(static_cast<size_t>(source.mesh))) {
       if (primitive->triangles.empty()) continue;
-      const auto motion =
-          std::make_shared<const MeshMotion>(graph_, node, primitive, skin_for(source, *primitive, where),
-                                             source.weights.empty() ? mesh.weights : source.weights);
-      SceneMesh result;
-      result.name = names_.make(name);
-      document_.charge(primitive->triangles.size() * (sizeof(Triangle) + sizeof(uint32_t)) +
-                           primitive->positions.size() * (1 + primitive->more_uvs.size()) * sizeof(Vec2f) +
-                           primitive->colors.size() * sizeof(Vec4f) + sizeof(SceneMesh),
-                       where);
-      result.triangles = primitive->triangles;
-      if (motion->mirrors())
-        for (Triangle& triangle : result.triangles) std::swap(triangle[1], triangle[2]);
-      result.uvs = primitive->uvs;
-      result.more_uvs = primitive->more_uvs;
-      result.colors = primitive->colors;
-      result.prim_ids = primitive->prim_ids;
-      result.material = primitive->material;
-      result.motion = motion;
-      scene_.meshes.push_back(std::move(result));
+      const auto skin = skin_for(source, *primitive, where);
+      for (const Mat4& place : places) {
+        auto motion = std::make_shared<const MeshMotion>(graph_, node, primitive, skin,
+                                                         source.weights.empty() ? mesh.weights : source.weights, place);
+        add_mesh(name, *primitive, std::move(motion), where);
+      }
     }
+  }
+
+  void add_mesh(const std::string& name, const Primitive& primitive, std::shared_ptr<const MeshMotion> motion,
+                const std::string& where) {
+    document_.charge(primitive.triangles.size() * (sizeof(Triangle) + sizeof(uint32_t)) +
+                         primitive.positions.size() * (1 + primitive.more_uvs.size()) * sizeof(Vec2f) +
+                         primitive.colors.size() * sizeof(Vec4f) + sizeof(SceneMesh),
+                     where);
+    SceneMesh result;
+    result.name = names_.make(name);
+    result.triangles = primitive.triangles;
+    if (motion->mirrors())
+      for (Triangle& triangle : result.triangles) std::swap(triangle[1], triangle[2]);
+    result.uvs = primitive.uvs;
+    result.more_uvs = primitive.more_uvs;
+    result.colors = primitive.colors;
+    result.prim_ids = primitive.prim_ids;
+    result.material = primitive.material;
+    result.motion = std::move(motion);
+    scene_.meshes.push_back(std::move(result));
   }
 
   /// Those of them that can be traced; read once, however many nodes use them.
@@ -154,8 +173,7 @@ class SceneReader {
     return found->second;
   }
 
-  std::shared_ptr<const Skin> skin_for(const tinygltf::Node& source, const Primitive& primitive,
-                                       const std::string& where) {
+  std::shared_ptr<const Skin> skin_for(const file::Node& source, const Primitive& primitive, const std::string& where) {
     if (source.skin < 0) return nullptr;
     if (static_cast<size_t>(source.skin) >= document_.model.skins.size())
       document_.fail(where, fmt::format("names skin {}, but there are {}", source.skin, document_.model.skins.size()));
@@ -172,7 +190,7 @@ class SceneReader {
   }
 
   void add_camera(int node) {
-    const tinygltf::Node& source = document_.model.nodes[static_cast<size_t>(node)];
+    const file::Node& source = document_.model.nodes[static_cast<size_t>(node)];
     if (source.camera < 0) return;
     const auto& cameras = document_.model.cameras;
     if (static_cast<size_t>(source.camera) >= cameras.size())
@@ -191,16 +209,15 @@ class SceneReader {
     constexpr double kEver = std::numeric_limits<double>::infinity();
     for (int node : nodes) {
       world.push_back(graph_->world_at_rest(node));
-      const auto& extensions = document_.model.nodes[static_cast<size_t>(node)].extensions;
-      if (extensions.count("KHR_lights_punctual") && !graph_->is_static(node, -kEver, kEver))
+      if (document_.model.nodes[static_cast<size_t>(node)].light >= 0 && !graph_->is_static(node, -kEver, kEver))
         warnings_.add(at("nodes", static_cast<size_t>(node)), "a light that moves is kept where it is at rest");
     }
     scene_.lights = read_lights(document_, nodes, world, warnings_);
   }
 
-  Document document_;
   const LoadOptions& options_;
   Warnings warnings_;
+  Document document_;
   std::shared_ptr<const NodeGraph> graph_;
   std::map<size_t, std::vector<std::shared_ptr<const Primitive>>> primitives_;
   std::map<int, std::shared_ptr<const Skin>> skins_;
@@ -212,7 +229,7 @@ class SceneReader {
 
 Scene parse_gltf(std::span<const uint8_t> bytes, const std::string& name, const std::string& folder,
                  const LoadOptions& options) {
-  return SceneReader(read_document(bytes, name, folder), options).read();
+  return SceneReader(bytes, name, folder, options).read();
 }
 
 Scene load_gltf(const std::string& path, const LoadOptions& options) {

@@ -29,13 +29,14 @@ Mat4 blend(const std::vector<Mat4>& matrices, const Influence* begin, const Infl
 }  // namespace
 
 MeshMotion::MeshMotion(std::shared_ptr<const NodeGraph> graph, int node, std::shared_ptr<const Primitive> primitive,
-                       std::shared_ptr<const Skin> skin, std::vector<double> weights)
+                       std::shared_ptr<const Skin> skin, std::vector<double> weights, const Mat4& place)
     : graph_(std::move(graph)),
       node_(node),
       primitive_(std::move(primitive)),
       skin_(std::move(skin)),
-      weights_(std::move(weights)) {
-  mirrors_ = determinant3(skin_ ? skin_->first_joint_at_rest(*graph_) : graph_->world_at_rest(node_)) < 0;
+      weights_(std::move(weights)),
+      place_(place) {
+  mirrors_ = determinant3(skin_ ? skin_->first_joint_at_rest(*graph_) : graph_->world_at_rest(node_) * place_) < 0;
 }
 
 const Track* MeshMotion::moving_weights() const {
@@ -95,7 +96,7 @@ Vec3d MeshMotion::morphed(Vec3f base, std::vector<Vec3f> MorphTarget::*part, con
 template <class Put>
 void MeshMotion::for_each_vertex(double time, Side side, const Put& put) const {
   if (!skin_) {
-    const Mat4 matrix = graph_->world(node_, time, side);
+    const Mat4 matrix = world(time, side);
     for (size_t v = 0; v < vertex_count(); ++v) put(v, matrix);
     return;
   }
@@ -121,7 +122,7 @@ void MeshMotion::normals(double time, Side side, std::span<Vec3f> out) const {
     return u == Vec3d{} ? Vec3f{0, 0, 1} : to_float(u);  // of a surface that has collapsed
   };
   if (!skin_) {  // one matrix for all
-    const Mat4 matrix = normal_matrix(graph_->world(node_, time, side));
+    const Mat4 matrix = normal_matrix(world(time, side));
     for (size_t v = 0; v < vertex_count(); ++v)
       out[v] =
           unit(transform_vector(matrix, morphed(primitive_->normals[v], &MorphTarget::normals, weights, v)) * facing);

@@ -30,9 +30,10 @@ Skin read_skin(Document& document, size_t index, const NodeGraph& graph);
 
 class MeshMotion final : public VertexMotion {
  public:
-  /// skin: null unless the primitive is skinned. weights: of the morph targets where no animation moves them.
+  /// skin: null unless the primitive is skinned. weights: of the morph targets where no animation moves them. place:
+  /// of an instance, in its node's space; not for what is skinned.
   MeshMotion(std::shared_ptr<const NodeGraph> graph, int node, std::shared_ptr<const Primitive> primitive,
-             std::shared_ptr<const Skin> skin, std::vector<double> weights);
+             std::shared_ptr<const Skin> skin, std::vector<double> weights, const Mat4& place = {});
 
   size_t vertex_count() const override { return primitive_->positions.size(); }
   bool has_normals() const override { return !primitive_->normals.empty(); }
@@ -52,6 +53,7 @@ class MeshMotion final : public VertexMotion {
   const Track* moving_weights() const;
   /// `base` of vertex `v`, displaced by the morph targets.
   Vec3d morphed(Vec3f base, std::vector<Vec3f> MorphTarget::*part, const std::vector<double>& weights, size_t v) const;
+  Mat4 world(double time, Side side) const { return graph_->world(node_, time, side) * place_; }
   /// Calls put(vertex, matrix) with world from the mesh's own space for every vertex.
   template <class Put>
   void for_each_vertex(double time, Side side, const Put& put) const;
@@ -61,6 +63,7 @@ class MeshMotion final : public VertexMotion {
   std::shared_ptr<const Primitive> primitive_;
   std::shared_ptr<const Skin> skin_;
   std::vector<double> weights_;
+  Mat4 place_;
   bool mirrors_ = false;
 };
 

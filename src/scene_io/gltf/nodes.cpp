@@ -29,7 +29,7 @@ Vec3d vector_at(const Track& track, double time, Side side) {
   return {v[0], v[1], v[2]};
 }
 
-Node read_node(const Document& document, const tinygltf::Node& source, const std::string& where) {
+Node read_node(const Document& document, const file::Node& source, const std::string& where) {
   const auto sized = [&](const std::vector<double>& values, size_t size, const char* what) {
     if (!values.empty() && values.size() != size)
       document.fail(where, fmt::format("its {} has {} numbers instead of {}", what, values.size(), size));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "math/transform.h"
+#include "scene/scene.h"
 #include "scene_io/gltf/document.h"
 #include "scene_io/gltf/track.h"
 
@@ -46,8 +47,9 @@ class NodeGraph {
   bool is_straight(int node, bool points_move) const;
 };
 
-/// Plays the animation that `wanted` names (see LoadOptions) on the graph. Throws Error when there is none such.
-void play_animation(Document& document, const std::string& wanted, NodeGraph& graph, Warnings& warnings);
+/// Plays the animation that `wanted` names (see LoadOptions) on the graph, or all of them: of two that move the same
+/// the first one counts. The scene is told which there are. Throws Error when there is none such.
+void play_animations(Document& document, const std::string& wanted, NodeGraph& graph, Scene& scene, Warnings& warnings);
 
 /// Index of the element named `wanted`, or else of that number. -1 when there is none.
 int find_by_name_or_index(const std::vector<std::string>& names, const std::string& wanted);

@@ -27,7 +27,7 @@ void read_normals(AttributeReader& attributes, const std::string& where, Primiti
   primitive.normals = std::move(normals);
 }
 
-void read_targets(Document& document, const tinygltf::Primitive& source, const AttributeReader& attributes,
+void read_targets(Document& document, const file::Primitive& source, const AttributeReader& attributes,
                   const std::string& where, Primitive& primitive) {
   for (size_t i = 0; i < source.targets.size(); ++i) {
     const auto displacements = [&](const char* name) -> std::vector<Vec3f> {
@@ -114,12 +114,12 @@ void keep_sound_triangles(std::vector<Triangle> all, const std::string& where, P
 std::vector<Triangle> assemble_triangles(const std::vector<uint32_t>& corners, int mode) {
   std::vector<Triangle> result;
   if (corners.size() < 3) return result;
-  const size_t count = mode == TINYGLTF_MODE_TRIANGLES ? corners.size() / 3 : corners.size() - 2;
+  const size_t count = mode == file::kTriangles ? corners.size() / 3 : corners.size() - 2;
   result.reserve(count);
   for (size_t i = 0; i < count; ++i) {
-    if (mode == TINYGLTF_MODE_TRIANGLES)
+    if (mode == file::kTriangles)
       result.push_back({corners[3 * i], corners[3 * i + 1], corners[3 * i + 2]});
-    else if (mode == TINYGLTF_MODE_TRIANGLE_STRIP)
+    else if (mode == file::kTriangleStrip)
       result.push_back({corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]});
     else
       result.push_back({corners[i + 1], corners[i + 2], corners[0]});
@@ -127,13 +127,13 @@ std::vector<Triangle> assemble_triangles(const std::vector<uint32_t>& corners, i
   return result;
 }
 
-std::shared_ptr<const Primitive> read_primitive(Document& document, const tinygltf::Primitive& source,
+std::shared_ptr<const Primitive> read_primitive(Document& document, const file::Primitive& source,
                                                 const std::vector<Material>& materials, const std::string& where,
                                                 Warnings& warnings) {
   const int mode = source.mode;
-  if (mode < TINYGLTF_MODE_POINTS || mode > TINYGLTF_MODE_TRIANGLE_FAN)
+  if (mode < file::kPoints || mode > file::kTriangleFan)
     document.fail(where, fmt::format("has the unknown mode {}", mode));
-  if (mode < TINYGLTF_MODE_TRIANGLES) {
+  if (mode < file::kTriangles) {
     warnings.add(where, "points and lines are left out");
     return nullptr;
   }
@@ -150,10 +150,14 @@ std::shared_ptr<const Primitive> read_primitive(Document& document, const tinygl
   const Material& material = materials[primitive->material];
   AttributeReader attributes(document, source, where);
   const std::vector<uint32_t> corners = attributes.corners();
+  if (corners.empty() || attributes.vertex_count() == 0) {
+    warnings.add(where, "an empty primitive is left out");
+    return nullptr;
+  }
   document.charge(corners.size() * (sizeof(Triangle) + sizeof(uint32_t)), where);
   // Draco gives a list even where the mode, and the accessor that it stands for, say strip.
-  const int assembled_as = attributes.is_draco() ? TINYGLTF_MODE_TRIANGLES : mode;
-  if (assembled_as == TINYGLTF_MODE_TRIANGLES && corners.size() % 3 != 0)
+  const int assembled_as = attributes.is_draco() ? file::kTriangles : mode;
+  if (assembled_as == file::kTriangles && corners.size() % 3 != 0)
     warnings.add(where, "the last triangle of a list lacks corners and is left out");
   primitive->positions = vectors(attributes.floats("POSITION", 3));
   keep_sound_triangles(assemble_triangles(corners, assembled_as), where, *primitive, warnings);

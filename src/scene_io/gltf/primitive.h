@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <kairos/mesh.h>
+#include <kairos/scene.h>
 
 #include "scene_io/gltf/document.h"
 
@@ -44,7 +45,7 @@ struct Primitive {
 /// Null for a primitive of points or lines, or without positions (with a warning). Triangles that name vertices that
 /// do not exist are dropped with a warning. materials: as read_materials leaves them. Throws Error for what cannot be
 /// used.
-std::shared_ptr<const Primitive> read_primitive(Document& document, const tinygltf::Primitive& source,
+std::shared_ptr<const Primitive> read_primitive(Document& document, const file::Primitive& source,
                                                 const std::vector<Material>& materials, const std::string& where,
                                                 Warnings& warnings);
 

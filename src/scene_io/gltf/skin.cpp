@@ -25,7 +25,7 @@ Mat4 Skin::first_joint_at_rest(const NodeGraph& graph) const {
 }
 
 Skin read_skin(Document& document, size_t index, const NodeGraph& graph) {
-  const tinygltf::Skin& source = document.model.skins[index];
+  const file::Skin& source = document.model.skins[index];
   const std::string where = at("skins", index);
   if (source.joints.empty()) document.fail(where, "has no joints");
   Skin skin;

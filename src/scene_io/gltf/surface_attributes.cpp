@@ -46,13 +46,13 @@ void read_tangents(AttributeReader& attributes, const std::string& where, const 
 
 void read_colors(AttributeReader& attributes, const std::string& where, Primitive& primitive, Warnings& warnings) {
   if (!attributes.has("COLOR_0")) return;
-  const tinygltf::Accessor& accessor = attributes.accessor("COLOR_0");
-  const size_t components = accessor.type == TINYGLTF_TYPE_VEC3 ? 3 : 4;
+  const file::Accessor& accessor = attributes.accessor("COLOR_0");
+  const size_t components = accessor.components == 3 ? 3 : 4;
   const std::vector<float> flat = attributes.floats("COLOR_0", static_cast<int>(components));
   float scale = 1;
-  if (!accessor.normalized && accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) {
+  if (!accessor.normalized && accessor.componentType != file::kFloat) {
     warnings.add(where, "vertex colours in whole numbers count as normalized, though the file does not say so");
-    scale = accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ? 1.0f / 255 : 1.0f / 65535;
+    scale = accessor.componentType == file::kUnsignedByte ? 1.0f / 255 : 1.0f / 65535;
   }
   std::vector<Vec4f> colors(flat.size() / components);
   uint64_t bad = 0;

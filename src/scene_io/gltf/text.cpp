@@ -1,6 +1,6 @@
 #include "scene_io/gltf/text.h"
 
-#include <array>
+#include <algorithm>
 
 #include <kairos/error.h>
 
@@ -45,7 +45,13 @@ std::vector<uint8_t> decode_base64(std::string_view text, const std::string& pla
 
 }  // namespace
 
-bool is_data_uri(std::string_view uri) { return uri.substr(0, 5) == "data:"; }
+bool is_data_uri(std::string_view uri) {
+  constexpr std::string_view kScheme = "data:";
+  return uri.size() >= kScheme.size() &&
+         std::equal(kScheme.begin(), kScheme.end(), uri.begin(), [](char known, char c) {
+           return known == (c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c);
+         });
+}
 
 std::vector<uint8_t> decode_data_uri(std::string_view uri, const std::string& place) {
   const size_t comma = uri.find(',');
