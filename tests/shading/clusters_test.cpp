@@ -122,7 +122,7 @@ TEST(Clusters, PartsCoverEverySegmentExactly) {
         const Ray ray = context.ray(x, y, point);
         const auto segments = tracer.trace(ray, Visibility::visible, workspace);
         RecordBuilder record;
-        shading.shade(ray, segments, {}, 77, 0, point.time, record);
+        shading.shade(ray, segments, {}, {0, 1}, 77, 0, point.time, record);
         const std::span<const SeenPart> parts = record.parts();
         longest = std::max(longest, segments.size());
         size_t next = 0;
