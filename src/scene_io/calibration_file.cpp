@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "scene_io/json_node.h"
+#include "scene_io/json_text.h"
 
 namespace kairos {
 
@@ -20,8 +21,8 @@ constexpr double kLeastTime = 1e-3, kMostTime = 1e9, kMostRatio = 1e6;
 }  // namespace
 
 CalibrationFile parse_calibration(std::string_view text, const std::string& path) {
-  const nlohmann::json json = parse_json(text, path);
-  const JsonNode root(json, path);
+  const JsonText json(text, path);
+  const JsonNode root(json.root(), path);
   root.expect_fields({"kairos_calibration", "shading", "nanoseconds"});
   const JsonNode version = root.at("kairos_calibration");
   if (version.number() != kVersion) version.fail("only version 1 is known; measure again");

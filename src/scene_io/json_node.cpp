@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 #include <fmt/format.h>
 
@@ -14,30 +13,6 @@
 namespace kairos {
 
 using nlohmann::json;
-
-json parse_json(std::string_view text, const std::string& path) {
-  constexpr int kMaxDepth = 64;  // a scene needs 5
-  std::vector<std::set<std::string>> open_objects;
-  const auto watch = [&](int depth, json::parse_event_t event, json& parsed) {
-    if (depth > kMaxDepth) throw Error(ErrorCode::bad_input, path, "is nested too deeply to be a scene");
-    if (event == json::parse_event_t::object_start) open_objects.emplace_back();
-    if (event == json::parse_event_t::object_end) open_objects.pop_back();
-    if (event == json::parse_event_t::key) {
-      const auto& name = parsed.get_ref<const std::string&>();
-      if (!open_objects.back().insert(name).second)
-        throw Error(ErrorCode::bad_input, path, "has the field '" + printable(name) + "' twice in one object");
-    }
-    return true;
-  };
-  try {
-    return json::parse(text.begin(), text.end(), watch);
-  } catch (const json::exception& error) {
-    // "[json.exception.name.number] parse error at line 3, column 7: ...": the first part helps nobody.
-    const std::string_view what = error.what();
-    const size_t end = what.find("] ");
-    throw Error(ErrorCode::bad_input, path, printable(end == what.npos ? what : what.substr(end + 2), 300));
-  }
-}
 
 void JsonNode::fail(const std::string& what) const { throw Error(ErrorCode::bad_input, place(), what); }
 

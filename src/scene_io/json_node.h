@@ -13,10 +13,6 @@
 
 namespace kairos {
 
-/// Parses strict JSON. Throws Error(bad_input) for a syntax error (with its line), a field that an object holds twice,
-/// and nesting deeper than any scene needs.
-nlohmann::json parse_json(std::string_view text, const std::string& path);
-
 /// Refers to a value that outlives it. Each reader throws Error(bad_input, "file: path.to[3].value") when the value is
 /// of another kind than asked for.
 class JsonNode {

@@ -5,20 +5,16 @@
 #include <string_view>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "base/file.h"
 #include "scene_io/gltf/meshopt.h"
+#include "scene_io/json_text.h"
 #include "scene_io/not_a_scene.h"
 
 namespace kairos::gltf {
 
 namespace {
 
-using nlohmann::json;
-
-// Deeper than any document that means something; parsers and destructors below recurse.
-constexpr int kMaxJsonDepth = 64;
 constexpr uint64_t kMaxJsonBytes = uint64_t{1} << 30;
 constexpr uint64_t kMaxBufferBytes = uint64_t{1} << 34;
 // What a file may grow to when decoded: see Document::charge.
@@ -67,30 +63,9 @@ Chunks split_container(std::span<const uint8_t> bytes, const std::string& name) 
   return chunks;
 }
 
-/// One line without the library's own prefix.
-std::string one_line(std::string text) {
-  if (const size_t bracket = text.find("] "); text.rfind("[json", 0) == 0 && bracket != std::string::npos)
-    text.erase(0, bracket + 2);
-  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-  constexpr size_t kLongest = 300;
-  text.resize(std::min(text.size(), kLongest));
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
-  return text;
-}
-
-json parse_json(std::span<const uint8_t> text, const std::string& name) {
-  if (text.size() > kMaxJsonBytes) throw Error(ErrorCode::bad_input, name, "holds more than 1 GiB of JSON");
-  const auto limit_depth = [&](int depth, json::parse_event_t, json&) {
-    if (depth > kMaxJsonDepth)
-      throw Error(ErrorCode::bad_input, name, fmt::format("nests JSON more than {} levels deep", kMaxJsonDepth));
-    return true;
-  };
-  try {
-    return json::parse(text.begin(), text.end(), limit_depth);
-  } catch (const json::exception& e) {
-    throw Error(ErrorCode::bad_input, name, "is not valid JSON: " + one_line(e.what()));
-  }
+std::string_view json_text(std::span<const uint8_t> bytes, const std::string& name) {
+  if (bytes.size() > kMaxJsonBytes) throw Error(ErrorCode::bad_input, name, "holds more than 1 GiB of JSON");
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 }  // namespace
@@ -181,13 +156,13 @@ Document read_document(std::span<const uint8_t> bytes, const std::string& name, 
                        Warnings& warnings) {
   if (const std::string other = what_it_is(bytes); !other.empty()) throw Error(ErrorCode::bad_input, name, other);
   const Chunks chunks = split_container(bytes, name);
-  json root = parse_json(chunks.json, name);
+  JsonText text(json_text(chunks.json, name), name, JsonText::Repeated::last_counts);
   Document document;
   document.name = name;
   document.folder = folder;
   document.binary = chunks.binary;
   document.memory_left = kMemoryFloor + kMemoryPerInputByte * bytes.size();
-  document.model = file::read_model(root, name, warnings);
+  document.model = file::read_model(text.root(), name, warnings);
   return document;
 }
 

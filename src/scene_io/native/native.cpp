@@ -10,6 +10,7 @@
 
 #include "base/file.h"
 #include "scene_io/json_node.h"
+#include "scene_io/json_text.h"
 #include "scene_io/keyframes.h"
 #include "scene_io/native/parts.h"
 #include "scene_io/placed_motion.h"
@@ -180,8 +181,8 @@ class NativeReader {
 }  // namespace
 
 Scene parse_native(std::string_view text, const std::string& path, LoadContext& context) {
-  const nlohmann::json json = parse_json(text, path);
-  const JsonNode root(json, path);
+  const JsonText json(text, path);
+  const JsonNode root(json.root(), path);
   return NativeReader(root, path, context).read();
 }
 
