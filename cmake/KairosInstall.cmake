@@ -2,10 +2,6 @@
 
 include(CMakePackageConfigHelpers)
 
-# The installed program finds its library wherever the prefix is moved to.
-file(RELATIVE_PATH library_from_program /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})
-set_target_properties(kairos_cli PROPERTIES INSTALL_RPATH "$ORIGIN/${library_from_program}")
-
 install(TARGETS kairos EXPORT kairos LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS kairos_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/kairos DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.h)

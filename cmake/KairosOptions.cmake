@@ -4,6 +4,8 @@ set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+include(CheckPIESupported)
+check_pie_supported(LANGUAGES CXX)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 # The library shows what include/kairos/ marks with KAIROS_API, and nothing else.
 set(CMAKE_CXX_VISIBILITY_PRESET hidden)
@@ -19,6 +21,13 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # False positives of GCC 12 in optimised standard-library code.
   target_compile_options(kairos_options INTERFACE
     -Wno-restrict -Wno-array-bounds -Wno-stringop-overflow -Wno-maybe-uninitialized)
+endif()
+# What files may do to the process, should a parser of ours or of others be wrong after all: no overwritten return address,
+# no table of functions to write to, nothing to run on the stack. Sanitizers bring stricter means of their own.
+target_link_options(kairos_options INTERFACE -Wl,-z,relro,-z,now,-z,noexecstack)
+if(NOT KAIROS_SANITIZE)
+  target_compile_options(kairos_options INTERFACE -fstack-protector-strong
+    $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE> $<$<NOT:$<CONFIG:Debug>>:-D_FORTIFY_SOURCE=2>)  # which needs optimisation
 endif()
 if(KAIROS_SANITIZE)
   target_compile_options(kairos_options INTERFACE -fsanitize=${KAIROS_SANITIZE} -fno-omit-frame-pointer)
