@@ -11,5 +11,14 @@ find_package(draco REQUIRED)
 find_package(meshoptimizer REQUIRED)
 find_package(hwy REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(PNG REQUIRED)
+find_package(JPEG REQUIRED)
+
+# Debian's libwebp brings no CMake package.
+find_path(WEBP_INCLUDE_DIR webp/decode.h REQUIRED)
+find_library(WEBP_LIBRARY webp REQUIRED)
+add_library(WebP::webp UNKNOWN IMPORTED)
+set_target_properties(WebP::webp PROPERTIES IMPORTED_LOCATION ${WEBP_LIBRARY}
+  INTERFACE_INCLUDE_DIRECTORIES ${WEBP_INCLUDE_DIR})
 
 find_path(STB_INCLUDE_DIR stb/stb_image_write.h REQUIRED)

@@ -59,16 +59,17 @@ KAIROS_API void write_image(const Image& image, const std::string& path, const W
 KAIROS_API void check_writable_image(const std::string& path);
 
 /// Reads EXR (all channels, and the attributes of the kinds that Attribute knows, in alphabetical order), or PNG, JPEG,
-/// TGA and HDR (R, G and B as linear values, and A). Refuses what would need more than `byte_limit` bytes of pixels.
-/// Throws Error(io) or Error(bad_input).
+/// WebP, TGA and HDR (R, G and B as linear values, and A). Refuses what would need more than `byte_limit` bytes of
+/// pixels. Throws Error(io) or Error(bad_input).
 KAIROS_API Image read_image(const std::string& path, uint64_t byte_limit = uint64_t{1} << 32);
 
-/// A picture for surfaces to show, in memory. Rows from the top, four values per pixel: red, green, blue, alpha. One of
-/// the two lists is empty.
+/// A picture for surfaces to show, in memory. Rows from the top, four values per pixel: red, green, blue, alpha. All
+/// but one of the lists are empty.
 struct Pixels {
   int width = 0, height = 0;
-  std::vector<uint8_t> codes;  ///< 0 to 255, as formats of 8 bits hold them: usually sRGB
-  std::vector<float> values;   ///< linear
+  std::vector<uint8_t> codes;             ///< 0 to 255, as formats of 8 bits hold them: usually sRGB
+  std::vector<float> values;              ///< linear
+  std::vector<uint16_t> wide_codes = {};  ///< 0 to 65535, as formats of 16 bits hold them: usually sRGB
 };
 
 }  // namespace kairos

@@ -8,12 +8,20 @@
 
 namespace kairos {
 
-/// codes: rows from the top, `channels` (1: grey, 3: red, green, blue) codes per pixel. `place` names the picture in
-/// messages. Throw Error(io) for more pixels than the encoder can count.
+/// What a PNG says about itself; both in ASCII, the name of 1 to 79 characters.
+struct PngText {
+  std::string name, text;
+};
+
+/// codes: rows from the top, `channels` codes per pixel (1: grey, 3: red, green, blue; PNG 4: alpha, too). `place`
+/// names the picture in messages. Throw Error(io) for sizes that the format cannot have.
 std::vector<uint8_t> encode_png(std::span<const uint8_t> codes, int width, int height, int channels,
-                                const std::string& place);
+                                const std::string& place, const std::vector<PngText>& texts = {});
 /// quality: 1 to 100; above 90 colour is kept at full resolution.
 std::vector<uint8_t> encode_jpeg(std::span<const uint8_t> codes, int width, int height, int channels, int quality,
                                  const std::string& place);
+
+/// Throws Error(io, place) unless there are as many codes as the size says, and not too many.
+void check_code_count(std::span<const uint8_t> codes, int width, int height, int channels, const std::string& place);
 
 }  // namespace kairos

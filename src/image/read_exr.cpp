@@ -1,5 +1,6 @@
 #include "image/read_exr.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -13,7 +14,9 @@
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfStringVectorAttribute.h>
+#include <OpenEXR/ImfTileDescription.h>
 #include <OpenEXR/ImfVecAttribute.h>
+#include <OpenEXR/ImfVersion.h>
 
 #include "base/file.h"
 #include "image/exr_library.h"
@@ -24,7 +27,7 @@ namespace {
 
 class InputStream : public Imf::IStream {
  public:
-  InputStream(const std::vector<uint8_t>& bytes, const std::string& path) : Imf::IStream(path.c_str()), bytes_(bytes) {}
+  InputStream(std::span<const uint8_t> bytes, const std::string& path) : Imf::IStream(path.c_str()), bytes_(bytes) {}
   bool read(char out[], int size) override {
     const auto count = static_cast<uint64_t>(size);
     if (position_ > bytes_.size() || count > bytes_.size() - position_) throw std::runtime_error("ends too early");
@@ -36,7 +39,7 @@ class InputStream : public Imf::IStream {
   void seekg(uint64_t position) override { position_ = position; }
 
  private:
-  const std::vector<uint8_t>& bytes_;
+  std::span<const uint8_t> bytes_;
   uint64_t position_ = 0;
 };
 
@@ -85,10 +88,133 @@ void read_windows(const Imf::Header& header, const std::string& path, uint64_t b
   if (aspect > 0 && std::isfinite(aspect)) image.pixel_aspect = aspect;
 }
 
+/// A file's headers, walked through by names and sizes alone: the library allocates what an attribute says it takes.
+class HeaderWalk {
+ public:
+  HeaderWalk(std::span<const uint8_t> bytes, const std::string& place) : bytes_(bytes), place_(place) {}
+
+  /// Past the magic number; the version with its flags.
+  int version() {
+    word();
+    return static_cast<int>(word());
+  }
+
+  /// Past one header; false for an empty one, which ends those of a file with several parts.
+  bool next() {
+    constexpr int kMostAttributes = 10000;
+    for (int i = 0;; ++i) {
+      if (text_length() == 0) return i > 0;  // the attribute's name
+      text_length();                         // its kind
+      const uint32_t size = word();
+      if (i == kMostAttributes || size > bytes_.size() - position_) fail();
+      position_ += size;
+    }
+  }
+
+  size_t position() const { return position_; }
+
+ private:
+  [[noreturn]] void fail() const { throw Error(ErrorCode::bad_input, place_, "is no EXR file, or one cut short"); }
+
+  uint32_t word() {
+    if (bytes_.size() - position_ < sizeof(uint32_t)) fail();
+    uint32_t value = 0;
+    for (unsigned i = 0; i < sizeof(value); ++i) value |= uint32_t{bytes_[position_ + i]} << (8 * i);
+    position_ += sizeof(value);
+    return value;
+  }
+
+  size_t text_length() {
+    const auto* const begin = bytes_.data() + position_;
+    const auto* const end = static_cast<const uint8_t*>(std::memchr(begin, 0, bytes_.size() - position_));
+    if (end == nullptr) fail();
+    position_ += static_cast<size_t>(end - begin) + 1;
+    return static_cast<size_t>(end - begin);
+  }
+
+  std::span<const uint8_t> bytes_;
+  const std::string& place_;
+  size_t position_ = 0;
+};
+
+/// Rows that are compressed together, at most.
+uint64_t most_rows(Imf::Compression compression) {
+  switch (compression) {
+    case Imf::NO_COMPRESSION:
+    case Imf::RLE_COMPRESSION:
+    case Imf::ZIPS_COMPRESSION:
+      return 1;
+    case Imf::ZIP_COMPRESSION:
+    case Imf::PXR24_COMPRESSION:
+      return 16;
+    case Imf::PIZ_COMPRESSION:
+    case Imf::B44_COMPRESSION:
+    case Imf::B44A_COMPRESSION:
+    case Imf::DWAA_COMPRESSION:
+      return 32;
+    default:
+      return 256;
+  }
+}
+
+/// Before it reads a pixel, the library makes a table of all chunks, and room for one of them uncompressed.
+void check_chunks(const Imf::Header& header, const ExrSize& size, uint64_t file_bytes, const std::string& place) {
+  const auto width = static_cast<uint64_t>(size.width), height = static_cast<uint64_t>(size.height);
+  const auto refuse = [&](bool when) {
+    if (when) throw Error(ErrorCode::bad_input, place, "is damaged (its header promises more than there is)");
+  };
+  constexpr uint64_t kTableEntry = 8, kMostOfAChunk = uint64_t{1} << 28;
+  uint64_t chunks = 0, texels = 0;
+  if (header.hasTileDescription()) {
+    const uint64_t across = header.tileDescription().xSize, down = header.tileDescription().ySize;
+    refuse(across == 0 || down == 0 || across > kMostOfAChunk || down > kMostOfAChunk);
+    chunks = ((width + across - 1) / across) * ((height + down - 1) / down);
+    texels = across * down;
+  } else {
+    const uint64_t rows = most_rows(header.compression());
+    chunks = (height + rows - 1) / rows;
+    texels = width * rows;
+  }
+  refuse(chunks > file_bytes / kTableEntry);
+  refuse(texels > kMostOfAChunk / (sizeof(float) * std::max<uint64_t>(1, size.channels)));
+}
+
 }  // namespace
 
+ExrSize exr_size(std::span<const uint8_t> bytes, const std::string& place) {
+  HeaderWalk walk(bytes, place);
+  const int version = walk.version();
+  return translate_exr_errors(place, ErrorCode::bad_input, "is not a readable EXR file", [&] {
+    InputStream stream(bytes, place);
+    ExrSize first;
+    for (int part = 0;; ++part) {
+      const size_t begin = walk.position();
+      if (!walk.next()) {
+        if (part == 0) throw Error(ErrorCode::bad_input, place, "is an EXR file without a header");
+        return first;
+      }
+      stream.seekg(begin);
+      Imf::Header header;
+      int its_version = version;
+      header.readFrom(stream, its_version);
+      Image image;
+      constexpr uint64_t kAny = std::numeric_limits<uint64_t>::max();
+      read_windows(header, place, kAny, image);
+      ExrSize size{image.width, image.height, 0};
+      for (auto it = header.channels().begin(); it != header.channels().end(); ++it) ++size.channels;
+      check_chunks(header, size, bytes.size(), place);
+      if (part == 0) first = size;
+      if (!Imf::isMultiPart(version)) return first;
+    }
+  });
+}
+
 Image read_exr(const std::string& path, uint64_t byte_limit) {
-  const std::vector<uint8_t> bytes = read_file(path, byte_limit);
+  return read_exr(read_file(path, byte_limit), path, byte_limit);
+}
+
+Image read_exr(std::span<const uint8_t> bytes, const std::string& path, uint64_t byte_limit) {
+  exr_size(bytes, path);
   return translate_exr_errors(path, ErrorCode::bad_input, "is not a readable EXR file", [&] {
     InputStream stream(bytes, path);
     Imf::InputFile exr(stream, 0);

@@ -5,6 +5,7 @@
 #include <kairos/error.h>
 #include <kairos/image.h>
 
+#include "base/file.h"
 #include "image/pixels.h"
 #include "image/read_exr.h"
 #include "image/srgb.h"
@@ -14,6 +15,7 @@ namespace kairos {
 namespace {
 
 constexpr size_t kChannels = 4;
+constexpr float kMostCode = 255, kMostWideCode = 65535;
 
 bool is_exr(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
@@ -25,10 +27,12 @@ bool is_exr(const std::string& path) {
 
 Image read_image(const std::string& path, uint64_t byte_limit) {
   if (is_exr(path)) return read_exr(path, byte_limit);
-  const Pixels pixels = read_picture(path);
-  const size_t count = static_cast<size_t>(pixels.width) * static_cast<size_t>(pixels.height);
+  const std::vector<uint8_t> bytes = read_file(path, kMaxPictureFileBytes);
+  const PictureCost cost = picture_cost(bytes, path);
+  const size_t count = static_cast<size_t>(cost.width) * static_cast<size_t>(cost.height);
   if (count > byte_limit / (kChannels * sizeof(float)))
     throw Error(ErrorCode::bad_input, path, "is larger than the limit of " + std::to_string(byte_limit) + " bytes");
+  const Pixels pixels = decode_picture(bytes, path);
   Image image;
   image.width = image.frame_width = pixels.width;
   image.height = image.frame_height = pixels.height;
@@ -36,11 +40,14 @@ Image read_image(const std::string& path, uint64_t byte_limit) {
   for (size_t c = 0; c < kChannels; ++c) {
     Channel channel{names[c], Channel::Storage::colour, std::vector<float>(count)};
     for (size_t i = 0; i < count; ++i) {
-      if (!pixels.values.empty())
-        channel.values[i] = pixels.values[i * kChannels + c];
-      else
-        channel.values[i] = c < 3 ? srgb_value(pixels.codes[i * kChannels + c] / 255.0f)
-                                  : static_cast<float>(pixels.codes[i * kChannels + c]) / 255;
+      const size_t at = i * kChannels + c;
+      if (!pixels.values.empty()) {
+        channel.values[i] = pixels.values[at];
+        continue;
+      }
+      const float code = pixels.codes.empty() ? static_cast<float>(pixels.wide_codes[at]) / kMostWideCode
+                                              : static_cast<float>(pixels.codes[at]) / kMostCode;
+      channel.values[i] = c < 3 ? srgb_value(code) : code;
     }
     image.channels.push_back(std::move(channel));
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/parallel.h"
 #include "image/srgb.h"
@@ -50,9 +51,28 @@ struct Cover {
   }
 };
 
+/// Codes of 16 bits as values, which keep all of their bits.
+Pixels widened(Pixels pixels, Texture::Encoding encoding) {
+  if (pixels.wide_codes.empty()) return pixels;
+  constexpr size_t kCodes = 1 << 16;
+  std::vector<float> decoded(kCodes);
+  for (size_t code = 0; code < kCodes; ++code) {
+    const float value = static_cast<float>(code) / (kCodes - 1);
+    decoded[code] = encoding == Texture::Encoding::srgb ? srgb_value(value) : value;
+  }
+  pixels.values.resize(pixels.wide_codes.size());
+  for (size_t i = 0; i < pixels.values.size(); ++i) {
+    const uint16_t code = pixels.wide_codes[i];
+    pixels.values[i] = i % kChannels == 3 ? static_cast<float>(code) / (kCodes - 1) : decoded[code];
+  }
+  pixels.wide_codes = {};
+  return pixels;
+}
+
 }  // namespace
 
 Texture::Texture(Pixels pixels, Encoding encoding) {
+  pixels = widened(std::move(pixels), encoding);
   for (size_t code = 0; code < decoded_.size(); ++code) {
     const float value = static_cast<float>(code) / 255;
     decoded_[code] = encoding == Encoding::srgb ? srgb_value(value) : value;

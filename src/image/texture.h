@@ -20,7 +20,7 @@ struct Texel {
 /// A pyramid of ever smaller copies of a picture. Immutable and safe to use from many threads at once.
 class Texture {
  public:
-  /// What the codes of formats of 8 bits mean. Alpha is always linear.
+  /// What the codes of formats of 8 and 16 bits mean. Alpha is always linear.
   enum class Encoding {
     srgb,    ///< colours
     linear,  ///< numbers

@@ -2,11 +2,16 @@
 
 #include <map>
 #include <new>
+#include <span>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include <kairos/error.h>
 
+#include "base/file.h"
 #include "base/parallel.h"
+#include "image/pixels.h"
 #include "image/texture.h"
 
 namespace kairos {
@@ -14,39 +19,115 @@ namespace kairos {
 namespace {
 
 struct Slot {
+  uint64_t file_bytes = 0;
+  PictureCost cost;
   std::shared_ptr<const Texture> texture;
   std::string failure;  // why there is none
   ErrorCode code = ErrorCode::bad_input;
 };
 
 using Key = std::pair<std::string, Texture::Encoding>;
+using Slots = std::map<Key, Slot>;
 
-Pixels pixels_of(const Scene& scene, const std::string& name) {
-  const auto picture = scene.pictures.find(name);
-  if (picture != scene.pictures.end()) return picture->second;
+/// What all pictures of a scene may take together, by what their files hold: bytes that few others bear out are no
+/// pictures but an attack. A flat colour is packed best of all that is honest, and a picture that comes in a hundred
+/// scans is no more than a hundred times the work.
+class PictureBudget {
+ public:
+  void add_file(uint64_t bytes) {
+    bytes_ += bytes * kBytesPerByte;
+    steps_ += bytes * kStepsPerByte;
+  }
+
+  /// False, and nothing is taken, where there is not enough left.
+  bool take(const PictureCost& cost) {
+    if (cost.bytes > bytes_ || cost.steps > steps_) return false;
+    bytes_ -= cost.bytes;
+    steps_ -= cost.steps;
+    return true;
+  }
+
+ private:
+  static constexpr uint64_t kBytesPerByte = 1024, kStepsPerByte = 4096;
+  uint64_t bytes_ = uint64_t{1} << 30, steps_ = uint64_t{1} << 31;
+};
+
+/// use(bytes) with those of an encoded picture.
+template <class Use>
+auto with_bytes(const Scene& scene, const std::string& name, const Use& use) {
   const auto embedded = scene.embedded_pictures.find(name);
-  return embedded == scene.embedded_pictures.end() ? read_picture(name) : decode_picture(embedded->second, name);
+  if (embedded != scene.embedded_pictures.end()) return use(std::span<const uint8_t>(embedded->second));
+  const std::vector<uint8_t> bytes = read_file(name, kMaxPictureFileBytes);
+  return use(std::span<const uint8_t>(bytes));
 }
 
-Slot read(const Scene& scene, const Key& key) {
-  Slot slot;
-  const auto& [name, encoding] = key;
+/// Does `work`, and keeps what goes wrong.
+template <class Work>
+void attempt(const std::string& name, Slot& slot, const Work& work) {
   try {
-    slot.texture = std::make_shared<const Texture>(pixels_of(scene, name), encoding);
+    work();
   } catch (const Error& e) {
     slot.failure = e.what();
     slot.code = e.code();
   } catch (const std::bad_alloc&) {
     slot.failure = name + ": needs more memory than there is";
   }
-  return slot;
+}
+
+/// With its coarser copies, and what they are made from.
+PictureCost with_pyramid(PictureCost cost) {
+  cost.bytes += cost.bytes / 3;
+  return cost;
+}
+
+/// Reads all pictures: first what each would take, then, of those that may have it, their pixels. Files are read twice,
+/// so that no more than those at work are in memory.
+void read(const Scene& scene, Slots& slots) {
+  std::vector<std::pair<const Key, Slot>*> all;
+  for (auto& slot : slots) all.push_back(&slot);
+  const auto for_each = [&](const auto& work) {
+    parallel_for(all.size(), 1, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i)
+        attempt(all[i]->first.first, all[i]->second, [&] { work(all[i]->first, all[i]->second); });
+    });
+  };
+  const auto is_decoded = [&](const Key& key) { return scene.pictures.count(key.first) > 0; };
+  for_each([&](const Key& key, Slot& slot) {
+    if (is_decoded(key)) return;
+    slot.cost = with_bytes(scene, key.first, [&](std::span<const uint8_t> bytes) {
+      slot.file_bytes = bytes.size();
+      return with_pyramid(picture_cost(bytes, key.first));
+    });
+  });
+  PictureBudget budget;
+  for (const auto* slot : all) budget.add_file(slot->second.file_bytes);
+  for (auto* slot : all)
+    if (slot->second.failure.empty() && !budget.take(slot->second.cost))
+      slot->second.failure =
+          fmt::format("{}: {}x{} pixels in {} bytes are more than pictures of that size may take", slot->first.first,
+                      slot->second.cost.width, slot->second.cost.height, slot->second.file_bytes);
+  for_each([&](const Key& key, Slot& slot) {
+    if (!slot.failure.empty()) return;
+    const auto& [name, encoding] = key;
+    if (is_decoded(key)) {
+      slot.texture = std::make_shared<const Texture>(scene.pictures.find(name)->second, encoding);
+      return;
+    }
+    Pixels pixels = with_bytes(scene, name, [&](std::span<const uint8_t> bytes) {
+      const PictureCost now = with_pyramid(picture_cost(bytes, name));
+      if (now.bytes > slot.cost.bytes || now.steps > slot.cost.steps)
+        throw Error(ErrorCode::io, name, "has changed while it was read");
+      return decode_picture(bytes, name);
+    });
+    slot.texture = std::make_shared<const Texture>(std::move(pixels), encoding);
+  });
 }
 
 }  // namespace
 
 std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_only, bool strict,
                                             std::vector<std::string>& notes) {
-  std::map<Key, Slot> slots;
+  Slots slots;
   const auto ask = [&](const TextureRef& texture, Texture::Encoding encoding) {
     if (!texture.empty()) slots.try_emplace({texture.picture, encoding});
   };
@@ -67,11 +148,7 @@ std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_on
   }
   if (slots.empty()) return {};
 
-  std::vector<std::pair<const Key, Slot>*> all;
-  for (auto& slot : slots) all.push_back(&slot);
-  parallel_for(all.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) all[i]->second = read(scene, all[i]->first);
-  });
+  read(scene, slots);
   for (const auto& [key, slot] : slots) {
     if (slot.texture) continue;
     if (strict) throw Error(slot.code, "", slot.failure);
@@ -95,13 +172,20 @@ std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_on
 std::vector<std::shared_ptr<const Texture>> load_light_textures(const Scene& scene, bool strict,
                                                                 std::vector<std::string>& notes) {
   std::vector<std::shared_ptr<const Texture>> result(scene.lights.size());
+  Slots slots;
+  for (const Light& light : scene.lights)
+    if (const auto* sky = std::get_if<EnvironmentLight>(&light); sky != nullptr && !sky->texture.empty())
+      slots.try_emplace({sky->texture, Texture::Encoding::srgb});
+  read(scene, slots);
   for (size_t i = 0; i < scene.lights.size(); ++i) {
     const auto* light = std::get_if<EnvironmentLight>(&scene.lights[i]);
     if (light == nullptr || light->texture.empty()) continue;
-    Slot slot = read(scene, {light->texture, Texture::Encoding::srgb});
+    Slot slot = slots.at({light->texture, Texture::Encoding::srgb});
     if (slot.texture && light->mapping == EnvironmentLight::Mapping::equal_area &&
-        slot.texture->width() != slot.texture->height())
-      slot = {nullptr, light->texture + ": is not square, as pictures of an equal-area environment are"};
+        slot.texture->width() != slot.texture->height()) {
+      slot.texture = nullptr;
+      slot.failure = light->texture + ": is not square, as pictures of an equal-area environment are";
+    }
     if (!slot.texture && strict) throw Error(slot.code, "", slot.failure);
     if (!slot.texture) notes.push_back("environment picture left out: " + slot.failure);
     result[i] = std::move(slot.texture);

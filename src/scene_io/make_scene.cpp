@@ -191,9 +191,11 @@ void check_picture(const std::string& name, const Pixels& picture) {
       static_cast<uint64_t>(picture.width) * static_cast<uint64_t>(picture.height) > kMaxPicturePixels)
     refuse(place, fmt::format("has {}x{} pixels, and not 1 to {}", picture.width, picture.height, kMaxPicturePixels));
   const size_t values = static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height) * 4;
-  if (picture.codes.size() + picture.values.size() != values || (!picture.codes.empty() && !picture.values.empty()))
-    refuse(place, fmt::format("has {} codes and {} values; give {} of one of them: four per pixel",
-                              picture.codes.size(), picture.values.size(), values));
+  const size_t given[] = {picture.codes.size(), picture.values.size(), picture.wide_codes.size()};
+  if (std::count(std::begin(given), std::end(given), values) != 1 ||
+      std::count(std::begin(given), std::end(given), size_t{0}) != 2)
+    refuse(place, fmt::format("has {} codes, {} values and {} wide codes; give {} of one of them: four per pixel",
+                              given[0], given[1], given[2], values));
   if (!std::all_of(picture.values.begin(), picture.values.end(), [](float v) { return std::isfinite(v); }))
     refuse(place, "has a value that is not finite");
 }

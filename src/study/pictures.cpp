@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include <kairos/error.h>
+
 #include "image/encode.h"
 #include "image/pixels.h"
 #include "study/measure.h"
@@ -33,6 +35,7 @@ struct Codes {
 Codes read_codes(const std::string& path, int channels) {
   const Pixels pixels = read_picture(path);
   Codes result{pixels.width, pixels.height, channels, {}};
+  if (pixels.codes.empty()) throw Error(ErrorCode::bad_input, path, "is no picture of 8 bits");
   for (size_t i = 0; i < pixels.codes.size(); ++i)
     if (static_cast<int>(i % 4) < channels) result.codes.push_back(pixels.codes[i]);
   return result;
