@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <iostream>
@@ -65,6 +66,9 @@ class Answerer {
   }
 
  private:
+  /// JSON has no number for what is beyond the largest float.
+  static std::string distance(float dist) { return std::isfinite(dist) ? fmt::format("{}", dist) : "null"; }
+
   void say_segments(const std::vector<Ray>& rays) {
     const SegmentBatch batch = tracer_.trace(rays, visibility_, nullptr, limits_);
     for (size_t i = 0; i < rays.size(); ++i) {
@@ -76,7 +80,7 @@ class Answerer {
             std::back_inserter(text_),
             "{}{{\"begin\": {}, \"end\": {}, \"dist_begin\": {}, \"dist_end\": {}, \"mesh\": {}, \"prim\": {}, "
             "\"front\": {}}}",
-            first ? "" : ", ", s.begin, s.end, s.dist_begin, s.dist_end, names_[s.mesh],
+            first ? "" : ", ", s.begin, s.end, distance(s.dist_begin), distance(s.dist_end), names_[s.mesh],
             shot_.meshes[s.mesh].prim_id(s.triangle), s.front);
         first = false;
       }

@@ -39,6 +39,9 @@ struct SmallPacket {
   static constexpr auto kIntersect = rtcIntersect8;
 };
 
+/// Rays begin beyond their origin: a surface in which the eye lies is seen by none, as by no time-continuous one.
+constexpr float kNearest = std::numeric_limits<float>::min();
+
 bool usable(const Ray& ray, float time) {
   return is_finite(ray.origin) && is_finite(ray.direction) && !(ray.direction == Vec3f{}) && time >= 0 && time <= 1;
 }
@@ -250,6 +253,7 @@ struct DiscreteScene::Impl {
     query.ray.dir_x = ray.direction.x;
     query.ray.dir_y = ray.direction.y;
     query.ray.dir_z = ray.direction.z;
+    query.ray.tnear = kNearest;
     query.ray.tfar = max_dist;
     query.ray.mask = ~0u;
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -277,6 +281,7 @@ struct DiscreteScene::Impl {
       query.ray.dir_x[i] = rays[i].direction.x;
       query.ray.dir_y[i] = rays[i].direction.y;
       query.ray.dir_z[i] = rays[i].direction.z;
+      query.ray.tnear[i] = kNearest;
       query.ray.tfar[i] = std::numeric_limits<float>::infinity();
       query.ray.mask[i] = ~0u;
       query.ray.id[i] = static_cast<unsigned>(i);

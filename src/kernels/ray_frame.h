@@ -43,6 +43,7 @@ struct RayFrame {
 struct ScaledRay {
   Ray ray;
   int exponent = 0;
+  double ahead = 0;  ///< how far the origin has been moved along the ray, in distances along `ray`
 
   ScaledRay() = default;
   /// geometry: what is traced is 2^geometry times as large as what was given.
@@ -57,7 +58,30 @@ struct ScaledRay {
     exponent += length;
   }
 
-  float to_given(float dist) const { return std::ldexp(dist, -exponent); }
+  /// Moves the origin of a ray that comes from so far that products of coordinates would overflow to where it comes
+  /// near all that there is, within `extent` of zero in each coordinate; but no further than `max_dist`, a given
+  /// distance.
+  void come_near(float extent, float max_dist) {
+    constexpr float kFar = 0x1p30f, kBeyond = 4;
+    const float reach = std::max({std::abs(ray.origin.x), std::abs(ray.origin.y), std::abs(ray.origin.z)});
+    if (!(reach > kFar && reach > kBeyond * extent) || !std::isfinite(reach)) return;
+    const Vec3d origin = to_double(ray.origin), direction = to_double(ray.direction);
+    const double speed = length(direction), margin = kBeyond * static_cast<double>(extent) / speed;
+    const double to = -dot(origin, direction) / (speed * speed) - margin;
+    if (!(to > 0 && to < std::ldexp(static_cast<double>(max_dist), exponent))) return;
+    ahead = to;
+    ray.origin = to_float(origin + direction * to);
+  }
+
+  bool is_as_given() const { return exponent == 0 && ahead == 0; }
+  float to_given(float dist) const {
+    return ahead == 0 ? std::ldexp(dist, -exponent)
+                      : static_cast<float>(std::ldexp(static_cast<double>(dist) + ahead, -exponent));
+  }
+  float from_given(float dist) const {
+    return ahead == 0 ? std::ldexp(dist, exponent)
+                      : static_cast<float>(std::ldexp(static_cast<double>(dist), exponent) - ahead);
+  }
 };
 
 /// True for rays that can meet anything: finite, with a direction.

@@ -98,7 +98,7 @@ struct RayState {
     one_sided = only_fronts;
     mode = wanted;
     limits = wanted_limits;
-    if (scaled.exponent != 0) limits.max_dist = std::ldexp(limits.max_dist, scaled.exponent);
+    if (!scaled.is_as_given()) limits.max_dist = scaled.from_given(limits.max_dist);
     limited = mode == RayMode::occluded || !limits.is_everything();
     hits.clear();
     blended_hits.clear();
@@ -134,7 +134,7 @@ struct RayState {
       segments.back().end = std::min(segments.back().end, limits.window_end);
     }
     counters.segments += segments.size() + blended.size() + covered.size();
-    if (scaled.exponent == 0) return;
+    if (scaled.is_as_given()) return;
     for (auto* seen : {&segments, &blended})
       for (Segment& segment : *seen) {
         segment.dist_begin = scaled.to_given(segment.dist_begin);
@@ -153,9 +153,9 @@ struct RayState {
   /// Accepts what is known to be there for the whole shutter, if it has any duration.
   void add_occluder_hint(Segment hit) {
     if (!(hit.begin < hit.end)) return;
-    if (scaled.exponent != 0) {
-      hit.dist_begin = std::ldexp(hit.dist_begin, scaled.exponent);
-      hit.dist_end = std::ldexp(hit.dist_end, scaled.exponent);
+    if (!scaled.is_as_given()) {
+      hit.dist_begin = scaled.from_given(hit.dist_begin);
+      hit.dist_end = scaled.from_given(hit.dist_end);
     }
     if (cut_to_limits(hit)) accept(hit);
   }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <kairos/error.h>
 #include <kairos/tracer.h>
@@ -30,6 +31,14 @@ void check(const TraceLimits& limits) {
   if (!(limits.max_dist > 0)) throw Error(ErrorCode::bad_usage, "largest distance", "give a positive one");
 }
 
+float largest_coordinate(std::span<const Mesh> meshes) {
+  float largest = 0;
+  for (const Mesh& mesh : meshes)
+    for (const std::vector<Vec3f>& key : mesh.positions)
+      for (const Vec3f& p : key) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  return largest;
+}
+
 RayMode mode_of(Visibility visibility) { return visibility == Visibility::visible ? RayMode::visible : RayMode::all; }
 
 }  // namespace
@@ -44,10 +53,12 @@ struct Tracer::Impl {
   std::vector<uint8_t> one_sided;  // [mesh]; empty where none is
   int threads = 0;
   int exponent = 0;  // of the trees' size: see working_exponent
+  float extent = 0;  // of the trees: their largest coordinate
 
   void begin(RayState& state, RayMode mode, const TraceLimits& limits, const Ray& ray) const {
-    state.begin_ray(mode, limits, depth, ScaledRay(ray, exponent), cut_outs.get(),
-                    one_sided.empty() ? nullptr : one_sided.data());
+    ScaledRay scaled(ray, exponent);
+    scaled.come_near(extent, limits.max_dist);
+    state.begin_ray(mode, limits, depth, scaled, cut_outs.get(), one_sided.empty() ? nullptr : one_sided.data());
   }
   void run(RayState& state, RayMode mode, const TraceLimits& limits, const Ray& ray) const {
     check(limits);
@@ -88,6 +99,7 @@ Tracer::Tracer(std::span<const Mesh> meshes, const TracerOptions& options) : imp
   impl_->threads = options.threads;
   with_threads(options.threads, [&] {
     impl_->exponent = working_exponent(meshes);
+    impl_->extent = std::ldexp(largest_coordinate(meshes), impl_->exponent);
     if (impl_->exponent == 0) {
       impl_->accel = build_accel(meshes, options.moving_meshes_only);
     } else {
@@ -127,7 +139,8 @@ std::span<const SeenByRay> Tracer::trace_packet(std::span<const Ray> rays, Visib
   for (size_t i = 0; i < rays.size(); ++i) {
     impl_->begin(states[i], mode_of(visibility), limits, rays[i]);
     if (!occluder_hints.empty()) states[i].add_occluder_hint(occluder_hints[i]);
-    together = together && is_traceable(states[i].scaled.ray) && states[i].scaled.exponent == impl_->exponent;
+    together = together && is_traceable(states[i].scaled.ray) && states[i].scaled.exponent == impl_->exponent &&
+               states[i].scaled.ahead == 0;
   }
   std::optional<RayPacket> packet;
   if (together && rays.size() > 1 && impl_->collect_packet != nullptr) {
