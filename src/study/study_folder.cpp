@@ -53,6 +53,8 @@ Json parameters(const StudyOptions& o) {
   json["animation"] = o.load.animation;
   json["gltf scene"] = o.load.gltf_scene;
   json["strict"] = o.load.strict;
+  json["root"] = o.load.root;
+  json["memory budget"] = o.load.memory_budget;
   json["camera"] = o.shot.camera;
   json["frame"] = o.shot.frame ? Json(*o.shot.frame) : Json();
   json["fps"] = o.shot.fps ? Json(*o.shot.fps) : Json();
@@ -147,6 +149,7 @@ StudyFolder::StudyFolder(const StudyOptions& options) : folder_(options.folder) 
   std::error_code ec;
   fs::create_directories(folder_, ec);
   if (ec || !fs::is_directory(folder_)) throw Error(ErrorCode::io, folder_, "is not a folder and cannot become one");
+  lock_.emplace(folder_);
   const Json here = Json::parse(parameters_text(options));
   const std::string path = file("study.json");
   if (options.force && fs::exists(path)) remove_study(folder_);

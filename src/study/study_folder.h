@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/folder_lock.h"
 #include "study/plan.h"
 #include "study/run_log.h"
 
@@ -27,7 +28,8 @@ std::vector<std::string> scene_names(const std::vector<std::string>& paths);
 class StudyFolder {
  public:
   /// Throws Error(bad_usage) when the folder holds a study of other parameters, unless options.force: then it is
-  /// removed. Throws Error(io). Parameters include the scene files' contents and the program's version and commit.
+  /// removed. Throws Error(io), also while another process has the folder. Parameters include the scene files' contents
+  /// and the program's version and commit.
   explicit StudyFolder(const StudyOptions& options);
 
   /// Nothing where it has not been measured yet.
@@ -46,6 +48,7 @@ class StudyFolder {
 
  private:
   std::string folder_;
+  std::optional<FolderLock> lock_;
   std::optional<LineLog> run_log_, reference_log_, scene_log_;
   std::vector<Run> runs_;
   std::vector<ReferenceRun> references_;
