@@ -54,10 +54,11 @@ class CliTest : public testing::Test {
   bool exists(const std::string& name) const { return std::filesystem::exists(folder_ / name); }
   size_t files() const { return static_cast<size_t>(std::distance(std::filesystem::directory_iterator(folder_), {})); }
 
-  /// arguments: as a shell reads them, in the test's folder.
-  CliResult run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.string() + "' && '" KAIROS_CLI "' " + arguments + " > '" +
-                                output_.string() + ".out' 2> '" + output_.string() + ".err'";
+  /// arguments: as a shell reads them, in the test's folder; they may send standard error elsewhere. before: what the
+  /// shell does first.
+  CliResult run(const std::string& arguments, const std::string& before = {}) const {
+    const std::string command = "cd '" + folder_.string() + "'; exec > '" + output_.string() + ".out' 2> '" +
+                                output_.string() + ".err'; " + before + "'" KAIROS_CLI "' " + arguments;
     const int status = std::system(command.c_str());
     CliResult result;
     result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);

@@ -103,6 +103,17 @@ void add_scene_arguments(CLI::App& app, SceneArguments& out) {
       ->type_name("NAME|INDEX");
   app.add_option("--gltf-scene", out.load.gltf_scene, "Scene of a glTF file (default: the file's own default)")
       ->type_name("NAME|INDEX");
+  app.add_option("--root", out.load.root,
+                 "The folder in which everything lies that the scene's files name (default: that of each SCENE)")
+      ->type_name("FOLDER");
+  app.add_option_function<std::string>(
+         "--memory-budget",
+         [&](const std::string& text) {
+           constexpr uint64_t kMegabyte = 1000000, kMost = 1000000000;
+           out.load.memory_budget = parse_count("--memory-budget", text, 1, kMost) * kMegabyte;
+         },
+         "What a scene may take beside 1024 bytes for each byte of its files, in megabytes [1074]")
+      ->type_name("MB");
   app.add_flag("--strict", out.load.strict, "Refuse bad triangles and unsupported features instead of warning");
   app.add_option("--camera", out.shot.camera, "Camera (default: the first, or one that frames everything)")
       ->type_name("NAME|INDEX");

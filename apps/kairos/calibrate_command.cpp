@@ -8,6 +8,7 @@
 #include "arguments.h"
 #include "commands.h"
 #include "interrupt.h"
+#include "log.h"
 
 namespace kairos::cli {
 
@@ -37,17 +38,18 @@ void run_calibrate(const CalibrateArguments& arguments) {
   check_writable(arguments.out);
   const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
   if (!arguments.quiet)
-    for (const std::string& warning : contents(*scene).warnings) fmt::print(stderr, "warning: {}\n", warning);
+    for (const std::string& warning : contents(*scene).warnings) log("warning: " + warning);
   const Shot shot = make_shot(*scene, shot_options(arguments.scene, *scene));
   const CalibrationFile result{measure(shot, arguments.params), arguments.params.shading};
   write_calibration(result, arguments.out);
   if (arguments.quiet) return;
   const Calibration& c = result.calibration;
-  fmt::print(stderr, "a discrete sample takes {:.0f} ns, a still ray {:.0f} ns, a time-continuous ray",
-             c.discrete_sample, c.still_ray);
+  std::string prices = fmt::format("a discrete sample takes {:.0f} ns, a still ray {:.0f} ns, a time-continuous ray",
+                                   c.discrete_sample, c.still_ray);
   for (size_t i = 0; i < c.tc_ray.size(); ++i)
-    fmt::print(stderr, "{} {:.0f} ns (of {})", i == 0 ? "" : ",", c.tc_ray[i], Calibration::kRays[i]);
-  fmt::print(stderr, "\nwrote {}\n", arguments.out);
+    prices += fmt::format("{} {:.0f} ns (of {})", i == 0 ? "" : ",", c.tc_ray[i], Calibration::kRays[i]);
+  log(prices);
+  log("wrote " + arguments.out);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Ctrl-C and SIGTERM: stop within a second, leave no half-done file.
+// Ctrl-C, SIGTERM and SIGHUP: stop within a second, leave no half-done file.
 #pragma once
 
 #include <string>

@@ -1,7 +1,8 @@
 // The command line: kairos render|calibrate|query|info|compare|study. Exit status 0 on success, 1 on bad input or a
 // failed render, 2 on bad usage.
-#include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <new>
 #include <string>
 
@@ -13,17 +14,28 @@
 
 #include "commands.h"
 #include "interrupt.h"
+#include "log.h"
 
 namespace {
 
 constexpr int kFailed = 1, kBadUsage = 2;
+constexpr const char* kOutOfMemory = "kairos: needs more memory than there is; try a smaller picture or scene\n";
 
-// Errors are one line, whatever is in the names that they quote.
-int fail(int status, std::string message) {
-  std::replace_if(
-      message.begin(), message.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }, ' ');
-  fmt::print(stderr, "kairos: {}\n", message);
+int fail(int status, const std::string& message) {
+  kairos::cli::log("kairos: " + message);
   return status;
+}
+
+// Memory may also run out where nothing can be thrown any more: in a destructor while another exception is on its way.
+[[noreturn]] void on_terminate() {
+  try {
+    if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    kairos::cli::draw(kOutOfMemory);
+    std::_Exit(kFailed);
+  } catch (...) {  // a fault of ours, which a core dump explains best
+  }
+  std::abort();
 }
 
 // As a shell would read it.
@@ -65,13 +77,15 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::set_terminate(on_terminate);
   kairos::cli::install_interrupt_handler();
   try {
     return run(argc, argv);
   } catch (const kairos::Error& e) {
     return fail(e.code() == kairos::ErrorCode::bad_usage ? kBadUsage : kFailed, e.what());
   } catch (const std::bad_alloc&) {
-    return fail(kFailed, "out of memory; try a smaller picture or scene");
+    kairos::cli::draw(kOutOfMemory);
+    return kFailed;
   } catch (const std::exception& e) {
     return fail(kFailed, e.what());
   }

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "log.h"
+
 namespace kairos::cli {
 
 std::string with_unit(double value) {
@@ -26,7 +28,7 @@ std::string clock_time(double seconds) {
 ProgressBar::ProgressBar(double rays) : rays_(rays), terminal_(isatty(STDERR_FILENO) != 0) {}
 
 ProgressBar::~ProgressBar() {
-  if (terminal_) fmt::print(stderr, "\r\x1b[K");
+  if (terminal_) draw("\r\x1b[K");
 }
 
 std::string ProgressBar::rate_and_time_left(double fraction) const {
@@ -41,7 +43,7 @@ void ProgressBar::update(double fraction) {
     const int decile = static_cast<int>(fraction * 10);
     if (decile <= last_decile_) return;
     last_decile_ = decile;
-    fmt::print(stderr, "{} %  {}\n", decile * 10, rate_and_time_left(fraction));
+    log(fmt::format("{} %  {}", decile * 10, rate_and_time_left(fraction)));
     return;
   }
   constexpr auto kRedraw = std::chrono::milliseconds(100);
@@ -50,8 +52,8 @@ void ProgressBar::update(double fraction) {
   drawn_ = now;
   constexpr size_t kWidth = 30;
   const auto filled = static_cast<size_t>(std::lround(std::clamp(fraction, 0.0, 1.0) * kWidth));
-  fmt::print(stderr, "\r[{}{}] {:3.0f} %  {}\x1b[K", std::string(filled, '#'), std::string(kWidth - filled, '.'),
-             std::floor(fraction * 100), rate_and_time_left(fraction));
+  draw(fmt::format("\r[{}{}] {:3.0f} %  {}\x1b[K", std::string(filled, '#'), std::string(kWidth - filled, '.'),
+                   std::floor(fraction * 100), rate_and_time_left(fraction)));
 }
 
 }  // namespace kairos::cli

@@ -13,6 +13,7 @@
 #include "frame_mark.h"
 #include "frames.h"
 #include "interrupt.h"
+#include "log.h"
 #include "progress_bar.h"
 #include "render_stats.h"
 #include "report.h"
@@ -33,7 +34,7 @@ struct RenderArguments {
 };
 
 void log(const RenderArguments& arguments, const std::string& line) {
-  if (!arguments.quiet) fmt::print(stderr, "{}\n", line);
+  if (!arguments.quiet) cli::log(line);
 }
 
 uint64_t total_rays(const RenderParams& params, const Shot& shot) {

@@ -10,6 +10,7 @@
 #include "arguments.h"
 #include "commands.h"
 #include "interrupt.h"
+#include "log.h"
 #include "progress_bar.h"
 
 namespace kairos::cli {
@@ -37,19 +38,19 @@ class StatusLine {
     const std::string left = status.seconds_left ? ", " + clock_time(*status.seconds_left) + " left" : "";
     const double percent = std::clamp(status.fraction, 0.0, 1.0) * 100;
     if (terminal_)
-      fmt::print(stderr, "\r{:3.0f} %  {}{}\x1b[K", percent, status.doing, left);
+      draw(fmt::format("\r{:3.0f} %  {}{}\x1b[K", percent, status.doing, left));
     else
-      fmt::print(stderr, "{:3.0f} %  {}{}\n", percent, status.doing, left);
+      cli::log(fmt::format("{:3.0f} %  {}{}", percent, status.doing, left));
     next_ = now + (terminal_ ? std::chrono::milliseconds(100) : std::chrono::milliseconds(15000));
   }
   void log(const std::string& line) {
     clear();
-    if (!quiet_) fmt::print(stderr, "{}\n", line);
+    if (!quiet_) cli::log(line);
   }
 
  private:
   void clear() const {
-    if (terminal_ && !quiet_) fmt::print(stderr, "\r\x1b[K");
+    if (terminal_ && !quiet_) draw("\r\x1b[K");
   }
 
   bool quiet_, terminal_;

@@ -15,11 +15,11 @@ enum class KAIROS_API ErrorCode {
   cancelled,  ///< the caller's progress callback asked to stop
 };
 
-/// what() is one line: "place: message", where place names a file and, if known, a line or a JSON path.
+/// what() is one line: "place: message", where place names a file and, if known, a line or a JSON path. It may be shown
+/// on a terminal, whatever the file holds: controls are replaced.
 class KAIROS_API Error : public std::runtime_error {
  public:
-  Error(ErrorCode error_code, const std::string& place, const std::string& message)
-      : std::runtime_error(place.empty() ? message : place + ": " + message), code_(error_code) {}
+  Error(ErrorCode error_code, const std::string& place, const std::string& message);
 
   ErrorCode code() const { return code_; }
 

@@ -1,6 +1,7 @@
 #include "discrete/embree_device.h"
 
 #include <algorithm>
+#include <new>
 
 #include <kairos/error.h>
 
@@ -27,6 +28,7 @@ const char* config_of(InstructionSet set) {
 }  // namespace
 
 EmbreeDevice::EmbreeDevice(InstructionSet set) : device_(rtcNewDevice(config_of(set))) {
+  if (!device_ && rtcGetDeviceError(nullptr) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
   if (!device_)
     throw Error(ErrorCode::bad_input, "Embree",
                 "cannot start (error " + std::to_string(rtcGetDeviceError(nullptr)) + "); is this processor too old?");
@@ -41,6 +43,7 @@ void EmbreeDevice::check() {
   if (error_.empty()) return;
   const std::string error = std::move(error_);
   error_.clear();
+  if (out_of_memory_) throw std::bad_alloc();
   throw Error(ErrorCode::bad_input, "Embree", error);
 }
 
@@ -50,7 +53,8 @@ void EmbreeDevice::on_error(void* self, RTCError code, const char* text) {
   auto& device = *static_cast<EmbreeDevice*>(self);
   const std::lock_guard lock(device.mutex_);
   if (!device.error_.empty()) return;
-  device.error_ = code == RTC_ERROR_OUT_OF_MEMORY ? "out of memory" : "error " + std::to_string(code);
+  device.out_of_memory_ = code == RTC_ERROR_OUT_OF_MEMORY;
+  device.error_ = "error " + std::to_string(code);
   if (text && *text) device.error_ += std::string(": ") + text;
 }
 

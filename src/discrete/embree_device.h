@@ -39,6 +39,7 @@ class EmbreeDevice {
   std::atomic<int64_t> bytes_{0};
   std::mutex mutex_;
   std::string error_;
+  bool out_of_memory_ = false;
   RTCDevice device_ = nullptr;
 };
 

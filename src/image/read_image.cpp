@@ -1,12 +1,8 @@
-#include <algorithm>
-#include <cctype>
-#include <filesystem>
-
 #include <kairos/error.h>
 #include <kairos/image.h>
 
 #include "base/file.h"
-#include "image/pixels.h"
+#include "image/picture_formats.h"
 #include "image/read_exr.h"
 #include "image/srgb.h"
 
@@ -17,17 +13,11 @@ namespace {
 constexpr size_t kChannels = 4;
 constexpr float kMostCode = 255, kMostWideCode = 65535;
 
-bool is_exr(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension == ".exr";
-}
-
 }  // namespace
 
 Image read_image(const std::string& path, uint64_t byte_limit) {
-  if (is_exr(path)) return read_exr(path, byte_limit);
-  const std::vector<uint8_t> bytes = read_file(path, kMaxPictureFileBytes);
+  const std::vector<uint8_t> bytes = read_file(path, byte_limit);
+  if (kExr.is(bytes)) return read_exr(bytes, path, byte_limit);
   const PictureCost cost = picture_cost(bytes, path);
   const size_t count = static_cast<size_t>(cost.width) * static_cast<size_t>(cost.height);
   if (count > byte_limit / (kChannels * sizeof(float)))

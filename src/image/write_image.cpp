@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cctype>
-#include <filesystem>
+#include <string>
 
 #include <kairos/error.h>
 #include <kairos/files.h>
@@ -16,10 +16,11 @@ namespace {
 enum class Format { exr, png };
 
 Format format_of(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (extension == ".exr") return Format::exr;
-  if (extension == ".png") return Format::png;
+  constexpr size_t kExtension = 4;
+  std::string end = path.substr(path.size() - std::min(kExtension, path.size()));
+  for (char& c : end) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (end == ".exr") return Format::exr;
+  if (end == ".png") return Format::png;
   throw Error(ErrorCode::bad_usage, path, "cannot tell the image format; end the name in .exr or .png");
 }
 

@@ -57,12 +57,4 @@ bool parse_integer(std::string_view token, int64_t& out) {
   return error == std::errc() && end == token.data() + token.size();
 }
 
-std::string printable(std::string_view text, size_t limit) {
-  std::string shown(text.substr(0, limit));
-  for (char& c : shown)
-    if (static_cast<unsigned char>(c) < ' ' || c == 127) c = '?';
-  if (text.size() > limit) shown += "...";
-  return shown;
-}
-
 }  // namespace kairos

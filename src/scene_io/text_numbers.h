@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include <kairos/printable.h>
+
 namespace kairos {
 
 /// Each parses all of `token` (a leading '+' is allowed) and returns false when that is not a number. Too large a
@@ -14,8 +16,5 @@ bool parse_number(std::string_view token, double& out);
 
 /// Parses all of `token` as a decimal integer. False when it is none, or beyond 64 bits.
 bool parse_integer(std::string_view token, int64_t& out);
-
-/// What to show of a piece of a file: at most `limit` characters, those that could break a line or a terminal replaced.
-std::string printable(std::string_view text, size_t limit = 60);
 
 }  // namespace kairos

@@ -119,8 +119,13 @@ TEST_F(Output, PngIsSrgbOfTheColour) {
   EXPECT_EQ(files(), 1u);
 }
 
+TEST_F(Output, AnExtensionMayBeTheWholeName) {
+  write_image(picture(), path(".exr"));
+  EXPECT_EQ(read_exr(path(".exr")).width, 5);
+}
+
 TEST_F(Output, RefusesOtherExtensionsAsBadUsage) {
-  for (const char* name : {"a.jpg", "a", "exr", ".exr", "a.exr.gz"}) try {
+  for (const char* name : {"a.jpg", "a", "exr", "", "a.exr.gz"}) try {
       check_writable_image(path(name));
       FAIL() << name;
     } catch (const Error& e) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <kairos/error.h>
+#include <kairos/printable.h>
 
 namespace kairos::gltf {
 
@@ -81,10 +82,7 @@ std::string percent_decode(std::string_view uri) {
 
 std::string printable(const std::string& name) {
   constexpr size_t kLongest = 100;
-  std::string result = name.substr(0, kLongest);
-  for (char& c : result)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '_';
-  return result;
+  return kairos::printable(name, kLongest);
 }
 
 }  // namespace kairos::gltf
