@@ -44,8 +44,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   std::vector<uint8_t> wrapped;
   std::span<const uint8_t> file(data, size);
   if (size >= 5 && std::memcmp(data, "DRACO", 5) == 0) file = wrapped = around_draco(file);
+  kairos::LoadOptions options;
+  options.memory_budget = 1 << 26;
   try {
-    const kairos::Scene scene = kairos::parse_gltf(file, "fuzz", "");
+    const kairos::Scene scene = kairos::parse_gltf(file, "fuzz", "", options);
     size_t vertices = 0;  // evaluated so far: instances of one mesh would only repeat it
     for (const kairos::SceneMesh& mesh : scene.meshes) {
       const kairos::VertexMotion& motion = *mesh.motion;

@@ -33,6 +33,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const Folder folder;
   try {
     kairos::LoadContext context;
+    context.budget = kairos::MemoryBudget(1 << 26);
     context.files_left = 20;
     const kairos::Scene scene = kairos::parse_native(std::string_view(reinterpret_cast<const char*>(data), size),
                                                      folder.path + "/fuzz.json", context);

@@ -42,6 +42,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     }
     constexpr uint64_t kMaxTriangles = 1 << 14;
     kairos::LoadContext context;
+    context.budget = kairos::MemoryBudget(1 << 26);
     context.files_left = 20;
     const kairos::Scene scene = kairos::parse_pbrt(text, folder.path + "/fuzz.pbrt", context, kMaxTriangles);
     if (scene.materials.empty()) std::abort();

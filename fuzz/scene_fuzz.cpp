@@ -49,7 +49,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size > kMostInput) return 0;
   try {
     const std::vector<uint8_t> glb = around_picture(data, size);
-    const kairos::Scene scene = kairos::parse_gltf(glb, "fuzz", "");
+    kairos::LoadOptions small;
+    small.memory_budget = 1 << 26;
+    kairos::Scene scene = kairos::parse_gltf(glb, "fuzz", "", small);
+    scene.memory_budget = small.memory_budget;
     kairos::ShotOptions options;
     options.width = options.height = 4;
     options.threads = 1;

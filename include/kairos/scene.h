@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -107,6 +108,11 @@ struct LoadOptions {
   std::string gltf_scene;  ///< name or index of a glTF scene; empty: the default one
   bool strict = false;     ///< a bad triangle or an unsupported feature is an error, not a warning
   int threads = 0;         ///< 0: as many as the machine has; no effect on the scene
+  /// The folder in which everything lies that the files may name; empty: that of each file given to load_scene.
+  std::string root;
+  /// Bytes that the scene may take, beside 1024 for each byte of its files: motion keys, instances, what is subdivided,
+  /// unpacked, and pictures.
+  uint64_t memory_budget = uint64_t{1} << 30;
 };
 
 /// A scene over all of its time: meshes with motion of any kind, cameras, materials. Made by load_scene; opaque here,

@@ -7,28 +7,40 @@
 #include <memory>
 #include <system_error>
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <kairos/error.h>
+#include <kairos/printable.h>
 
 namespace kairos {
 
 namespace fs = std::filesystem;
 
 std::vector<uint8_t> read_file(const std::string& path, uint64_t limit) {
-  std::error_code ec;
-  if (fs::is_directory(path, ec)) throw Error(ErrorCode::io, path, "is a folder; give a file");
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!file) throw Error(ErrorCode::io, path, "cannot be opened for reading; check the name and the permissions");
+  // Opening a pipe would wait for whoever writes to it, and a device may do anything.
+  const int descriptor = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(descriptor < 0 ? nullptr : fdopen(descriptor, "rb"),
+                                                             &std::fclose);
+  if (!file) {
+    if (descriptor >= 0) close(descriptor);
+    throw Error(ErrorCode::io, path, "cannot be opened for reading; check the name and the permissions");
+  }
+  struct stat status {};
+  if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
+    throw Error(ErrorCode::io, path,
+                S_ISDIR(status.st_mode) ? "is a folder; give a file" : "is no file, but a pipe, a socket or a device");
   const auto check_limit = [&](uint64_t size) {
     if (size > limit)
       throw Error(ErrorCode::bad_input, path, "is larger than the limit of " + std::to_string(limit) + " bytes");
   };
   // A file is read in one piece of memory of its size, not more: scenes are as large as machines bear.
-  uint64_t size = fs::file_size(path, ec);
-  if (ec) size = 0;
+  const auto size = static_cast<uint64_t>(status.st_size);
   check_limit(size);
   std::vector<uint8_t> bytes(size);
   bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file.get()));
-  // It may be a pipe, or have grown.
+  // It may have grown, and files of the system (/proc) say that they are empty.
   std::array<uint8_t, 1 << 16> rest;
   while (const size_t got = std::fread(rest.data(), 1, rest.size(), file.get())) {
     check_limit(bytes.size() + got);
@@ -43,22 +55,32 @@ std::string parent_folder(const std::string& path) {
   return parent.empty() ? "." : parent.string();
 }
 
-std::string resolve_inside(const std::string& folder, std::string_view relative, const std::string& place) {
-  const std::string name(relative);
-  const auto refuse = [&](const char* why) -> void {
-    throw Error(ErrorCode::bad_input, place, "path '" + name + "' " + why);
+std::string SceneFolder::try_resolve(std::string_view name, std::string& problem) const {
+  const std::string shown = "path '" + printable(name, 200) + "' ";
+  const auto refuse = [&](const std::string& why) {
+    problem = shown + why;
+    return std::string();
   };
-  if (name.empty()) refuse("is empty");
-  if (name.find('\0') != std::string::npos) refuse("holds a NUL character");
-  const fs::path path(name);
-  if (path.is_absolute() || name.front() == '\\') refuse("is absolute; give it relative to the scene's folder");
+  if (name.empty()) return refuse("is empty");
+  if (name.find('\0') != std::string_view::npos) return refuse("holds a NUL character");
+  if (name.front() == '\\') return refuse("begins with a backslash; give it relative to the scene's folder");
   std::error_code ec;
-  const fs::path root = fs::weakly_canonical(folder, ec);
-  const fs::path full = fs::weakly_canonical(fs::path(folder) / path, ec);
-  if (ec) refuse("cannot be resolved");
-  const fs::path inside = full.lexically_relative(root);
-  if (inside.empty() || *inside.begin() == "..") refuse("leaves the scene's folder");
-  return (fs::path(folder) / path).string();
+  const std::string& outermost = root.empty() ? path : root;
+  const fs::path allowed = fs::weakly_canonical(outermost, ec);
+  const fs::path named = fs::path(path) / fs::path(name);  // which an absolute one replaces
+  const fs::path full = fs::weakly_canonical(named, ec);
+  if (ec) return refuse("cannot be resolved");
+  const fs::path inside = full.lexically_relative(allowed);
+  if (inside.empty() || *inside.begin() == "..")
+    return refuse("leaves the folder '" + outermost + "', in which the scene may read; --root FOLDER gives it another");
+  return named.string();
+}
+
+std::string SceneFolder::resolve(std::string_view name, const std::string& place) const {
+  std::string problem;
+  const std::string resolved = try_resolve(name, problem);
+  if (!problem.empty()) throw Error(ErrorCode::bad_input, place, problem);
+  return resolved;
 }
 
 }  // namespace kairos

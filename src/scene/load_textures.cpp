@@ -18,6 +18,8 @@ namespace kairos {
 
 namespace {
 
+constexpr uint64_t kMostSteps = uint64_t{1} << 62;
+
 struct Slot {
   uint64_t file_bytes = 0;
   PictureCost cost;
@@ -28,29 +30,6 @@ struct Slot {
 
 using Key = std::pair<std::string, Texture::Encoding>;
 using Slots = std::map<Key, Slot>;
-
-/// What all pictures of a scene may take together, by what their files hold: bytes that few others bear out are no
-/// pictures but an attack. A flat colour is packed best of all that is honest, and a picture that comes in a hundred
-/// scans is no more than a hundred times the work.
-class PictureBudget {
- public:
-  void add_file(uint64_t bytes) {
-    bytes_ += bytes * kBytesPerByte;
-    steps_ += bytes * kStepsPerByte;
-  }
-
-  /// False, and nothing is taken, where there is not enough left.
-  bool take(const PictureCost& cost) {
-    if (cost.bytes > bytes_ || cost.steps > steps_) return false;
-    bytes_ -= cost.bytes;
-    steps_ -= cost.steps;
-    return true;
-  }
-
- private:
-  static constexpr uint64_t kBytesPerByte = 1024, kStepsPerByte = 4096;
-  uint64_t bytes_ = uint64_t{1} << 30, steps_ = uint64_t{1} << 31;
-};
 
 /// use(bytes) with those of an encoded picture.
 template <class Use>
@@ -82,7 +61,7 @@ PictureCost with_pyramid(PictureCost cost) {
 
 /// Reads all pictures: first what each would take, then, of those that may have it, their pixels. Files are read twice,
 /// so that no more than those at work are in memory.
-void read(const Scene& scene, Slots& slots) {
+void read(const Scene& scene, Slots& slots, MemoryBudget& budget) {
   std::vector<std::pair<const Key, Slot>*> all;
   for (auto& slot : slots) all.push_back(&slot);
   const auto for_each = [&](const auto& work) {
@@ -99,16 +78,28 @@ void read(const Scene& scene, Slots& slots) {
       return with_pyramid(picture_cost(bytes, key.first));
     });
   });
-  PictureBudget budget;
-  for (const auto* slot : all) budget.add_file(slot->second.file_bytes);
-  for (auto* slot : all)
-    if (slot->second.failure.empty() && !budget.take(slot->second.cost))
-      slot->second.failure =
-          fmt::format("{}: {}x{} pixels in {} bytes are more than pictures of that size may take", slot->first.first,
-                      slot->second.cost.width, slot->second.cost.height, slot->second.file_bytes);
+  for (const auto* slot : all)
+    if (scene.embedded_pictures.count(slot->first.first) == 0) budget.add_file(slot->second.file_bytes);
+  // Work is granted with memory: a picture of an honest file that comes in many scans is no more than so much of it.
+  constexpr uint64_t kStepsPerByte = 2;
+  uint64_t steps = budget.left() > kMostSteps / kStepsPerByte ? kMostSteps : budget.left() * kStepsPerByte;
+  for (auto* entry : all) {
+    const std::string& name = entry->first.first;
+    Slot& slot = entry->second;
+    if (!slot.failure.empty() || is_decoded(entry->first)) continue;
+    if (slot.cost.steps <= steps && budget.take(slot.cost.bytes)) {
+      steps -= slot.cost.steps;
+      continue;
+    }
+    slot.failure = fmt::format(
+        "{}: {}x{} pixels in a file of {} bytes take more memory or work than the scene's files leave; if they "
+        "are to be trusted, raise --memory-budget",
+        name, slot.cost.width, slot.cost.height, slot.file_bytes);
+  }
   for_each([&](const Key& key, Slot& slot) {
     if (!slot.failure.empty()) return;
-    const auto& [name, encoding] = key;
+    const std::string& name = key.first;
+    const Texture::Encoding encoding = key.second;
     if (is_decoded(key)) {
       slot.texture = std::make_shared<const Texture>(scene.pictures.find(name)->second, encoding);
       return;
@@ -125,7 +116,7 @@ void read(const Scene& scene, Slots& slots) {
 
 }  // namespace
 
-std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_only, bool strict,
+std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_only, bool strict, MemoryBudget& budget,
                                             std::vector<std::string>& notes) {
   Slots slots;
   const auto ask = [&](const TextureRef& texture, Texture::Encoding encoding) {
@@ -148,7 +139,7 @@ std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_on
   }
   if (slots.empty()) return {};
 
-  read(scene, slots);
+  read(scene, slots, budget);
   for (const auto& [key, slot] : slots) {
     if (slot.texture) continue;
     if (strict) throw Error(slot.code, "", slot.failure);
@@ -169,14 +160,14 @@ std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_on
   return result;
 }
 
-std::vector<std::shared_ptr<const Texture>> load_light_textures(const Scene& scene, bool strict,
+std::vector<std::shared_ptr<const Texture>> load_light_textures(const Scene& scene, bool strict, MemoryBudget& budget,
                                                                 std::vector<std::string>& notes) {
   std::vector<std::shared_ptr<const Texture>> result(scene.lights.size());
   Slots slots;
   for (const Light& light : scene.lights)
     if (const auto* sky = std::get_if<EnvironmentLight>(&light); sky != nullptr && !sky->texture.empty())
       slots.try_emplace({sky->texture, Texture::Encoding::srgb});
-  read(scene, slots);
+  read(scene, slots, budget);
   for (size_t i = 0; i < scene.lights.size(); ++i) {
     const auto* light = std::get_if<EnvironmentLight>(&scene.lights[i]);
     if (light == nullptr || light->texture.empty()) continue;

@@ -7,8 +7,10 @@
 #include <fmt/format.h>
 
 #include <kairos/error.h>
+#include <kairos/printable.h>
 #include <kairos/scene.h>
 
+#include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "camera/film_plane.h"
 #include "scene/clean_triangles.h"
@@ -132,9 +134,27 @@ void add_directions(const VertexMotion& motion, const MotionKeys& keys, const Sh
 /// See Material::double_sided.
 bool is_one_sided(const Material& material) { return !material.double_sided && !(material.transmission > 0); }
 
-Mesh make_mesh(const SceneMesh& source, const View& view, const ShotOptions& options, MeshReport& report) {
+/// How many keys each vertex of what moves may have, so that all of them together stay within the budget: the same for
+/// all, whatever the order in which meshes are made.
+uint64_t most_keys(const Scene& scene, const View& view, uint64_t bytes) {
+  constexpr uint64_t kBytesPerKey = 2 * sizeof(Vec3f);  // a position and a normal
+  uint64_t vertices = 1;
+  for (const SceneMesh& mesh : scene.meshes)
+    if (view.space_moves() || !view.window().holds_still(*mesh.motion)) vertices += mesh.motion->vertex_count();
+  return bytes / (kBytesPerKey * vertices);
+}
+
+uint64_t key_bytes(const Mesh& mesh) {
+  uint64_t vectors = 0;
+  for (const auto* keys : {&mesh.positions, &mesh.normals})
+    for (const std::vector<Vec3f>& key : *keys) vectors += key.size();
+  return vectors * sizeof(Vec3f);
+}
+
+Mesh make_mesh(const SceneMesh& source, const View& view, const ShotOptions& options, uint64_t keys_at_most,
+               MeshReport& report) {
   const std::string place = "mesh '" + source.name + "'";
-  MotionKeys keys = choose_motion_keys(*source.motion, view, options.motion_tolerance, place);
+  MotionKeys keys = choose_motion_keys(*source.motion, view, options.motion_tolerance, place, keys_at_most);
   Mesh mesh;
   mesh.name = source.name;
   mesh.triangles = source.triangles;
@@ -196,10 +216,14 @@ Shot make_shot_here(const Scene& scene, const ShotOptions& options) {
   shot.camera_position = view.camera_position();
   shot.camera_moves = view.camera_moves();
 
+  MemoryBudget budget(scene.memory_budget);
+  const uint64_t keys_at_most = most_keys(scene, view, budget.left());
   shot.meshes.resize(scene.meshes.size());
   std::vector<MeshReport> reports(scene.meshes.size());
   std::vector<size_t> small;
-  const auto make = [&](size_t i) { shot.meshes[i] = make_mesh(scene.meshes[i], view, options, reports[i]); };
+  const auto make = [&](size_t i) {
+    shot.meshes[i] = make_mesh(scene.meshes[i], view, options, keys_at_most, reports[i]);
+  };
   for (size_t i = 0; i < scene.meshes.size(); ++i) {
     if (scene.meshes[i].motion->vertex_count() < kLargeMesh)
       small.push_back(i);
@@ -216,9 +240,11 @@ Shot make_shot_here(const Scene& scene, const ShotOptions& options) {
   shot.notes = scene.notes;
   note_animations(scene, options, window, shot.notes);
   if (!found) shot.notes.push_back("no camera in the scene: using one that frames it");
-  shot.textures = load_textures(scene, !options.textures, options.strict, shot.notes);
-  if (options.textures) shot.light_textures = load_light_textures(scene, options.strict, shot.notes);
+  for (const Mesh& mesh : shot.meshes) budget.take(std::min(budget.left(), key_bytes(mesh)));
+  shot.textures = load_textures(scene, !options.textures, options.strict, budget, shot.notes);
+  if (options.textures) shot.light_textures = load_light_textures(scene, options.strict, budget, shot.notes);
   for (std::string& note : shot_notes(shot.meshes, reports)) shot.notes.push_back(std::move(note));
+  for (std::string& note : shot.notes) note = printable(note, std::string::npos);
   return shot;
 }
 

@@ -174,8 +174,8 @@ void PathSampler::positions(double scene_time, Side side, std::vector<Vec3d>& ou
   });
 }
 
-MotionKeys choose_motion_keys(const VertexMotion& motion, const View& view, double tolerance,
-                              const std::string& place) {
+MotionKeys choose_motion_keys(const VertexMotion& motion, const View& view, double tolerance, const std::string& place,
+                              uint64_t most_keys) {
   const ShutterWindow& window = view.window();
   const bool rests = window.holds_still(motion);
   const PathSampler path(motion, view);
@@ -200,11 +200,13 @@ MotionKeys choose_motion_keys(const VertexMotion& motion, const View& view, doub
     for (const Stretch& s : stretches) count += static_cast<uint64_t>(spans_of(s, level)) + 1;
     return count;
   };
-  const auto fits = [&](int level) { return key_count(level) * std::max<uint64_t>(1, now.size()) <= kMaxPositions; };
+  const auto fits = [&](int level) {
+    return key_count(level) <= most_keys && key_count(level) * std::max<uint64_t>(1, now.size()) <= kMaxPositions;
+  };
   if (!fits(0))
     throw Error(ErrorCode::bad_input, place,
                 fmt::format("{} motion keys of {} vertices while the shutter is open are more than fits; use a shorter "
-                            "shutter",
+                            "shutter, or raise --memory-budget",
                             key_count(0), now.size()));
 
   int level = 0;

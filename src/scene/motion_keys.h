@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "scene/motion.h"
@@ -11,6 +12,8 @@ namespace kairos {
 
 /// No stretch between kinks gets spans shorter than this part of the shutter.
 inline constexpr int kMaxKeySpans = 4096;
+/// More keys than any mesh has.
+inline constexpr uint64_t kMostKeys = uint64_t{1} << 40;
 
 struct MotionKeys {
   std::vector<float> times;                   ///< [key], shutter time: 0 to 1, equal neighbours are a jump
@@ -25,8 +28,10 @@ struct MotionKeys {
 /// view's space. Positions of vertices that are not finite are kept so; they do not count.
 ///
 /// The same k in every stretch between kinks keeps the number of distinct sets of key times over all meshes small: the
-/// accelerator builds one tree for each. Throws Error(bad_input) with `place` when the keys would not fit in memory.
-MotionKeys choose_motion_keys(const VertexMotion& motion, const View& view, double tolerance, const std::string& place);
+/// accelerator builds one tree for each. At most `most_keys`, where that leaves the kinks; throws Error(bad_input) with
+/// `place` where it does not.
+MotionKeys choose_motion_keys(const VertexMotion& motion, const View& view, double tolerance, const std::string& place,
+                              uint64_t most_keys = kMostKeys);
 
 /// Positions of one mesh in a view's space; the world positions of one that rests in the world are kept.
 class PathSampler {

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <kairos/error.h>
+#include <kairos/printable.h>
 
 #include "base/file.h"
 #include "base/parallel.h"
@@ -58,6 +59,7 @@ MeshFile load_mesh_file(const std::vector<std::string>& paths, bool with_materia
   for (const std::string& path : paths) {
     context.count_file(path);
     const std::vector<uint8_t> bytes = read_file(path, kMaxFileSize);
+    context.budget.add_file(bytes.size());
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     keys.push_back(format_of(path) == FileFormat::obj ? parse_obj(text, path) : parse_ply(text, path));
   }
@@ -69,7 +71,7 @@ MeshFile load_mesh_file(const std::vector<std::string>& paths, bool with_materia
                                                                 [](const std::string& name) { return !name.empty(); });
   if (with_materials && names_any) {
     FileWarnings warnings(context.options.strict);
-    file.materials = read_obj_materials(paths.front(), data.libraries, data.material_names, warnings);
+    file.materials = read_obj_materials(paths.front(), context.root, data.libraries, data.material_names, warnings);
     for (std::string& line : warnings.lines()) file.warnings.push_back(std::move(line));
   } else {
     data.triangle_materials.clear();
@@ -165,21 +167,34 @@ Scene load_file(const std::string& path, LoadContext& context) {
     case FileFormat::gltf:
       break;
   }
-  context.count_file(path);
-  return load_gltf(path, context.options);
+  return load_gltf(path, context);
 }
 
 namespace {
+
+/// Names are shown on terminals, and who asks for a camera by its name asks for what was shown.
+void make_printable(Scene& scene) {
+  const auto clean = [](std::string& text) { text = printable(text, std::string::npos); };
+  for (SceneMesh& mesh : scene.meshes) clean(mesh.name);
+  for (SceneCamera& camera : scene.cameras) clean(camera.name);
+  for (Material& material : scene.materials) clean(material.name);
+  for (std::string& animation : scene.animations) clean(animation);
+  for (std::string& warning : scene.warnings) clean(warning);
+}
 
 std::shared_ptr<const Scene> load_here(const std::vector<std::string>& paths, const LoadOptions& options) {
   if (paths.empty()) throw Error(ErrorCode::bad_usage, "", "no scene file given");
   std::vector<std::string> mesh_files, scene_files;
   for (const std::string& path : paths) (is_mesh_file(path) ? mesh_files : scene_files).push_back(path);
-  LoadContext context;
-  context.options = options;
+  LoadContext context(options);
+  // Each file that is given brings its own folder, unless one is given for all.
+  const auto enter = [&](const std::string& path) {
+    if (options.root.empty()) context.root = parent_folder(path);
+  };
   try {
     std::optional<Scene> scene;
     for (const std::string& path : scene_files) {
+      enter(path);
       Scene one = load_file(path, context);
       if (scene)
         append_scene(*scene, std::move(one));
@@ -187,6 +202,7 @@ std::shared_ptr<const Scene> load_here(const std::vector<std::string>& paths, co
         scene = std::move(one);
     }
     if (!mesh_files.empty()) {
+      enter(mesh_files.front());
       Scene one = load_mesh_scene(mesh_files, context);
       if (scene)
         append_scene(*scene, std::move(one));
@@ -198,7 +214,9 @@ std::shared_ptr<const Scene> load_here(const std::vector<std::string>& paths, co
       if (options.strict) throw Error(ErrorCode::bad_input, paths.front(), nothing);
       scene->warnings.push_back(paths.front() + ": " + nothing);
     }
+    make_printable(*scene);
     make_names_unique(*scene);
+    scene->memory_budget = context.budget.left();
     return std::make_shared<const Scene>(std::move(*scene));
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::bad_input, paths.front(), "needs more memory than there is");

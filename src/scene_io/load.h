@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "base/file.h"
+#include "base/memory_budget.h"
 #include "scene/scene.h"
 #include "scene_io/split_by_material.h"
 
@@ -14,6 +16,14 @@ struct LoadContext {
   LoadOptions options;
   std::vector<std::string> open_files;  ///< the scene files that lead to the one being read, outermost first
   int files_left = 100000;              ///< how many more may be read: two files that include each other twice ...
+  std::string root;                     ///< see LoadOptions::root; of the file that was given, where that says nothing
+  MemoryBudget budget{LoadOptions{}.memory_budget};
+
+  LoadContext() = default;
+  explicit LoadContext(const LoadOptions& wanted) : options(wanted), root(wanted.root), budget(wanted.memory_budget) {}
+
+  /// Where names lead that stand in the file at `path`.
+  SceneFolder folder_of(const std::string& path) const { return {parent_folder(path), root}; }
 
   /// Counts a file. Throws Error(bad_input, place) when too many were read.
   void count_file(const std::string& place);

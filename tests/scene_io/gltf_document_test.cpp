@@ -8,6 +8,7 @@
 
 #include <kairos/error.h>
 
+#include "error_matchers.h"
 #include "gltf_builder.h"
 
 namespace kairos {
@@ -71,10 +72,10 @@ TEST_F(GltfFolder, BuffersAreFilesBesideTheScene) {
 TEST_F(GltfFolder, NothingOutsideOfTheFolderIsRead) {
   for (const std::string uri : {"../outside.bin", "%2e%2e/outside.bin", "..%2Foutside.bin", "x/../../outside.bin"})
     EXPECT_THAT(refusal_of(uri), HasSubstr("test.gltf: buffers[0]: path")) << uri;
-  EXPECT_THAT(refusal_of((folder_ / "outside.bin").string()), HasSubstr("absolute"));
-  EXPECT_THAT(refusal_of("../../../../../../etc/passwd"), HasSubstr("leaves the scene's folder"));
+  EXPECT_THAT(refusal_of((folder_ / "outside.bin").string()), HasSubstr("leaves the folder"));
+  EXPECT_THAT(refusal_of("../../../../../../etc/passwd"), HasSubstr("leaves the folder"));
   std::filesystem::create_symlink(folder_ / "outside.bin", folder_ / "scene/link.bin");
-  EXPECT_THAT(refusal_of("link.bin"), HasSubstr("leaves the scene's folder"));
+  EXPECT_THAT(refusal_of("link.bin"), HasSubstr("leaves the folder"));
 }
 
 TEST(GltfDocument, NoFileIsReadWithoutAFolder) {
@@ -152,7 +153,9 @@ TEST(GltfDocument, InstancesDoNotMultiplyMemoryWithoutLimit) {
   GltfBuilder gltf;
   gltf.mesh_node({{"attributes", {{"POSITION", gltf.accessor<float>(std::vector<float>(90'000, 1), "VEC3")}}}});
   for (int i = 0; i < 100'000; ++i) gltf.push("nodes", {{"mesh", 0}});
-  EXPECT_THAT(refusal(gltf.text()), HasSubstr("memory"));
+  LoadOptions options;
+  options.memory_budget = 1000000;
+  expect_error([&] { gltf.parse(options); }, {"--memory-budget"});
 }
 
 TEST(GltfDocument, WhatAnExtensionRequiresIsSupportedOrRefusedByName) {

@@ -69,7 +69,7 @@ TEST_F(NativeInclude, AnIncludedFileIsPlaced) {
 
   refuse_fields(R"("include": [{"transform": {"matrix": []}}])",
                 {"scene.json: include[0]: the field 'file' is missing"});
-  refuse_fields(R"("include": [{"file": "../x.obj"}])", {"scene.json: include[0].file", "leaves the scene's folder"});
+  refuse_fields(R"("include": [{"file": "../x.obj"}])", {"scene.json: include[0].file", "leaves the folder"});
   refuse_fields(R"("include": [{"file": "a0.obj", "time": 0}])", {"scene.json: include[0]", "unknown field 'time'"});
   refuse_fields(R"("include": [{"file": "a0.obj", "transform": []}])", {"include[0].transform", "at least one matrix"});
 }

@@ -17,9 +17,6 @@ namespace {
 
 constexpr uint64_t kMaxJsonBytes = uint64_t{1} << 30;
 constexpr uint64_t kMaxBufferBytes = uint64_t{1} << 34;
-// What a file may grow to when decoded: see Document::charge.
-constexpr uint64_t kMemoryFloor = uint64_t{256} << 20;
-constexpr uint64_t kMemoryPerInputByte = 1024;
 
 struct Chunks {
   std::span<const uint8_t> json, binary;
@@ -76,10 +73,7 @@ void Document::fail(const std::string& where, const std::string& message) const 
   throw Error(ErrorCode::bad_input, name + ": " + where, message);
 }
 
-void Document::charge(uint64_t bytes, const std::string& where) {
-  if (bytes > memory_left) fail(where, "the file would need an absurd amount of memory for its size");
-  memory_left -= bytes;
-}
+void Document::charge(uint64_t bytes, const std::string& where) { budget->charge(bytes, name + ": " + where); }
 
 std::string path_of_uri(const Document& document, const std::string& uri, const std::string& where) {
   constexpr size_t kLongest = 4096;
@@ -87,9 +81,9 @@ std::string path_of_uri(const Document& document, const std::string& uri, const 
     document.fail(where, fmt::format("names a file by {} characters; a data: URI begins with 'data:'", uri.size()));
   std::string relative = percent_decode(uri);
   std::replace(relative.begin(), relative.end(), '\\', '/');
-  if (document.folder.empty())
+  if (document.folder.path.empty())
     document.fail(where, "names the file '" + printable(relative) + "', but only this one is read");
-  return resolve_inside(document.folder, relative, document.name + ": " + where);
+  return document.folder.resolve(relative, document.name + ": " + where);
 }
 
 std::span<const uint8_t> Document::buffer(int index, const std::string& user) {
@@ -104,7 +98,6 @@ std::span<const uint8_t> Document::buffer(int index, const std::string& user) {
     bytes = binary;
   } else if (is_data_uri(source.uri)) {
     bytes = data_[index] = decode_data_uri(source.uri, name + ": " + where);
-    memory_left += kMemoryPerInputByte * bytes.size();
   } else {
     const std::string path = path_of_uri(*this, source.uri, where);
     const auto [file, is_new] = files_.try_emplace(path);
@@ -112,7 +105,7 @@ std::span<const uint8_t> Document::buffer(int index, const std::string& user) {
       uint64_t total = 0;
       for (const auto& [other, read] : files_) total += read.size();
       file->second = read_file(path, kMaxBufferBytes - std::min(total, kMaxBufferBytes));
-      memory_left += kMemoryPerInputByte * file->second.size();
+      budget->add_file(file->second.size());
     }
     bytes = file->second;
     if (const std::string other = what_it_is(bytes); !other.empty()) throw Error(ErrorCode::bad_input, path, other);
@@ -152,8 +145,8 @@ std::span<const uint8_t> Document::view_bytes(int view, uint64_t offset, uint64_
   return bytes.subspan(offset, length);
 }
 
-Document read_document(std::span<const uint8_t> bytes, const std::string& name, const std::string& folder,
-                       Warnings& warnings) {
+Document read_document(std::span<const uint8_t> bytes, const std::string& name, const SceneFolder& folder,
+                       MemoryBudget& budget, Warnings& warnings) {
   if (const std::string other = what_it_is(bytes); !other.empty()) throw Error(ErrorCode::bad_input, name, other);
   const Chunks chunks = split_container(bytes, name);
   JsonText text(json_text(chunks.json, name), name, JsonText::Repeated::last_counts);
@@ -161,7 +154,8 @@ Document read_document(std::span<const uint8_t> bytes, const std::string& name, 
   document.name = name;
   document.folder = folder;
   document.binary = chunks.binary;
-  document.memory_left = kMemoryFloor + kMemoryPerInputByte * bytes.size();
+  document.budget = &budget;
+  budget.add_file(bytes.size());
   document.model = file::read_model(text.root(), name, warnings);
   return document;
 }

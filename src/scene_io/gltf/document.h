@@ -9,6 +9,8 @@
 
 #include <kairos/error.h>
 
+#include "base/file.h"
+#include "base/memory_budget.h"
 #include "scene_io/gltf/file_model.h"
 #include "scene_io/gltf/text.h"
 #include "scene_io/gltf/warnings.h"
@@ -17,9 +19,9 @@ namespace kairos::gltf {
 
 struct Document {
   std::string name;    ///< for messages
-  std::string folder;  ///< that files it names must lie in; empty: none may be named
+  SceneFolder folder;  ///< that files it names are found from; without a path none may be named
   file::Model model;
-  uint64_t memory_left = 0;  ///< what decoding may still allocate, bytes
+  MemoryBudget* budget = nullptr;  ///< of the scene that it becomes a part of
 
   /// Throws Error(bad_input, "name: where").
   [[noreturn]] void fail(const std::string& where, const std::string& message) const;
@@ -46,12 +48,12 @@ struct Document {
   std::map<size_t, std::vector<uint8_t>> unpacked_;    // by view
 };
 
-/// `bytes` is a .gltf or a .glb and must outlive the document. Files that it names must lie in `folder`; none may be
-/// named when that is empty. What it holds and is not read is named in `warnings`. Throws Error.
-Document read_document(std::span<const uint8_t> bytes, const std::string& name, const std::string& folder,
-                       Warnings& warnings);
+/// `bytes` is a .gltf or a .glb and must outlive the document, as must `budget`. What it holds and is not read is named
+/// in `warnings`. Throws Error.
+Document read_document(std::span<const uint8_t> bytes, const std::string& name, const SceneFolder& folder,
+                       MemoryBudget& budget, Warnings& warnings);
 
-/// A file's path from a URI, within the document's folder: backslashes, which URIs have not, count as slashes. Throws
+/// A file's path from a URI, where the document may read: backslashes, which URIs have not, count as slashes. Throws
 /// Error at `where`.
 std::string path_of_uri(const Document& document, const std::string& uri, const std::string& where);
 

@@ -46,9 +46,9 @@ std::string first_of(const std::string& a, const std::string& b, const std::stri
 
 class SceneReader {
  public:
-  SceneReader(std::span<const uint8_t> bytes, const std::string& name, const std::string& folder,
-              const LoadOptions& options)
-      : options_(options), warnings_(name, options.strict), document_(read_document(bytes, name, folder, warnings_)) {}
+  SceneReader(std::span<const uint8_t> bytes, const std::string& name, const SceneFolder& folder,
+              LoadContext& context)
+      : options_(context.options), warnings_(name, context.options.strict), document_(read_document(bytes, name, folder, context.budget, warnings_)) {}
 
   Scene read() {
     auto graph = std::make_shared<NodeGraph>(document_);
@@ -227,14 +227,21 @@ class SceneReader {
 
 }  // namespace
 
-Scene parse_gltf(std::span<const uint8_t> bytes, const std::string& name, const std::string& folder,
-                 const LoadOptions& options) {
-  return SceneReader(bytes, name, folder, options).read();
+Scene parse_gltf(std::span<const uint8_t> bytes, const std::string& name, const SceneFolder& folder,
+                 LoadContext& context) {
+  return SceneReader(bytes, name, folder, context).read();
 }
 
-Scene load_gltf(const std::string& path, const LoadOptions& options) {
+Scene parse_gltf(std::span<const uint8_t> bytes, const std::string& name, const std::string& folder,
+                 const LoadOptions& options) {
+  LoadContext context(options);
+  return parse_gltf(bytes, name, SceneFolder{folder, options.root}, context);
+}
+
+Scene load_gltf(const std::string& path, LoadContext& context) {
+  context.count_file(path);
   const std::vector<uint8_t> bytes = read_file(path, kMaxFileBytes);
-  return parse_gltf(bytes, path, parent_folder(path), options);
+  return parse_gltf(bytes, path, context.folder_of(path), context);
 }
 
 }  // namespace kairos

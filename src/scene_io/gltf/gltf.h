@@ -14,14 +14,17 @@
 #include <kairos/scene.h>
 
 #include "scene/scene.h"
+#include "scene_io/load.h"
 
 namespace kairos {
 
 /// Throws Error(bad_input) or Error(io) with one line that says where, such as "file.gltf: accessors[3]".
-Scene load_gltf(const std::string& path, const LoadOptions& options = {});
+Scene load_gltf(const std::string& path, LoadContext& context);
 
-/// The same from memory. `name` stands for the file in messages; other files are looked up in `folder` and nowhere
-/// above it, and are refused when it is empty.
+/// The same from memory. `name` stands for the file in messages; other files are looked up from `folder`, and are
+/// refused when its path is empty.
+Scene parse_gltf(std::span<const uint8_t> bytes, const std::string& name, const SceneFolder& folder,
+                 LoadContext& context);
 Scene parse_gltf(std::span<const uint8_t> bytes, const std::string& name, const std::string& folder,
                  const LoadOptions& options = {});
 

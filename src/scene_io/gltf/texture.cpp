@@ -48,7 +48,7 @@ std::string find_picture(Document& document, size_t index, Scene& scene) {
   };
   if (is_data_uri(image.uri)) return embed(decode_data_uri(image.uri, name));
   if (!image.uri.empty()) {
-    if (document.folder.empty()) return "";
+    if (document.folder.path.empty()) return "";
     return path_of_uri(document, image.uri, where);
   }
   if (image.bufferView < 0) document.fail(where, "has neither a uri nor a bufferView");

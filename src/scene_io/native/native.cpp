@@ -25,7 +25,7 @@ constexpr size_t kMaxIncludeDepth = 16;
 class NativeReader {
  public:
   NativeReader(const JsonNode& root, const std::string& path, LoadContext& context)
-      : root_(root), folder_(parent_folder(path)), context_(context) {}
+      : root_(root), folder_(context.folder_of(path)), context_(context) {}
 
   Scene read() {
     root_.expect_fields(
@@ -37,7 +37,7 @@ class NativeReader {
     read_camera_and_image();
     read_materials();
     if (const auto lights = root_.find("lights"))
-      for (const JsonNode& light : lights->items()) scene_.lights.push_back(read_light(light, folder_));
+      for (const JsonNode& light : lights->items()) scene_.lights.push_back(read_light(light, picture_finder()));
     read_includes();
     if (const auto background = root_.find("background")) scene_.background = background->color();
     if (const auto meshes = root_.find("meshes"))
@@ -69,7 +69,7 @@ class NativeReader {
     if (!materials) return;
     for (const auto& [name, node] : materials->fields()) {
       material_index_[name] = static_cast<uint32_t>(scene_.materials.size());
-      scene_.materials.push_back(read_material(name, node, folder_));
+      scene_.materials.push_back(read_material(name, node, picture_finder()));
     }
   }
 
@@ -84,7 +84,19 @@ class NativeReader {
     }
   }
 
-  std::string path_of(const JsonNode& node) const { return resolve_inside(folder_, node.string(), node.place()); }
+  std::string path_of(const JsonNode& node) const { return folder_.resolve(node.string(), node.place()); }
+
+  /// One can do without a picture.
+  FindPicture picture_finder() {
+    return [this](const JsonNode& name) {
+      std::string problem;
+      std::string path = folder_.try_resolve(name.string(), problem);
+      if (problem.empty()) return path;
+      if (context_.options.strict) name.fail(problem);
+      scene_.warnings.push_back(name.place() + ": picture left out: " + problem);
+      return path;
+    };
+  }
 
   /// A file with an animation of its own choice, or at another place.
   Scene read_placed(const JsonNode& node) {
@@ -171,7 +183,7 @@ class NativeReader {
   }
 
   const JsonNode& root_;
-  const std::string folder_;
+  const SceneFolder folder_;
   LoadContext& context_;
   Scene scene_;
   std::map<std::string, uint32_t> material_index_;
@@ -197,6 +209,7 @@ Scene load_native(const std::string& path, LoadContext& context) {
     throw Error(ErrorCode::bad_input, path, fmt::format("includes are nested more than {} deep", kMaxIncludeDepth));
   context.open_files.push_back(canonical);
   const std::vector<uint8_t> bytes = read_file(path, kMaxFileSize);
+  context.budget.add_file(bytes.size());
   Scene scene =
       parse_native(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()), path, context);
   context.open_files.pop_back();

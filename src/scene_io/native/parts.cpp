@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "base/file.h"
 #include "camera/film_plane.h"
 #include "scene_io/load.h"
 #include "scene_io/text_numbers.h"
@@ -50,17 +49,16 @@ TextureWrap read_wrap(const JsonNode& node) {
 }
 
 /// A picture's file, or an object that also says how it lies.
-TextureRef read_texture_ref(const JsonNode& node, const std::string& folder) {
-  const auto resolve = [&](const JsonNode& file) { return resolve_inside(folder, file.string(), file.place()); };
+TextureRef read_texture_ref(const JsonNode& node, const FindPicture& find_picture) {
   TextureRef texture;
   if (!node.is_object()) {
-    texture.picture = resolve(node);
+    texture.picture = find_picture(node);
     return texture;
   }
   constexpr int kMostUvSets = 8;
   constexpr double kMost = 1e6;
   node.expect_fields({"file", "uv_set", "placement", "wrap"});
-  texture.picture = resolve(node.at("file"));
+  texture.picture = find_picture(node.at("file"));
   if (const auto set = node.find("uv_set")) texture.uv_set = static_cast<uint32_t>(set->integer(0, kMostUvSets - 1));
   if (const auto placement = node.find("placement")) {
     const std::vector<JsonNode> numbers = placement->items(6);
@@ -80,7 +78,7 @@ constexpr double kSteepest = 1000;  // of normals in a picture
 
 }  // namespace
 
-Material read_material(const std::string& name, const JsonNode& node, const std::string& folder) {
+Material read_material(const std::string& name, const JsonNode& node, const FindPicture& find_picture) {
   node.expect_fields({"base_color",
                       "base_color_texture",
                       "emission",
@@ -117,7 +115,7 @@ Material read_material(const std::string& name, const JsonNode& node, const std:
   read_if(node, "normal_scale", material.normal_scale, -kSteepest, kSteepest);
   if (const auto unlit = node.find("unlit")) material.unlit = unlit->boolean();
   const auto read_texture = [&](const char* field, TextureRef& out) {
-    if (const auto texture = node.find(field)) out = read_texture_ref(*texture, folder);
+    if (const auto texture = node.find(field)) out = read_texture_ref(*texture, find_picture);
   };
   read_texture("base_color_texture", material.base_color_texture);
   read_texture("emission_texture", material.emission_texture);
@@ -130,11 +128,10 @@ Material read_material(const std::string& name, const JsonNode& node, const std:
 }
 
 /// The picture turns counter-clockwise, seen from above.
-EnvironmentLight read_environment(const JsonNode& node, const std::string& folder) {
+EnvironmentLight read_environment(const JsonNode& node, const FindPicture& find_picture) {
   node.expect_fields({"type", "texture", "intensity", "rotation_degrees"});
   EnvironmentLight light;
-  const JsonNode texture = node.at("texture");
-  light.texture = resolve_inside(folder, texture.string(), texture.place());
+  light.texture = find_picture(node.at("texture"));
   constexpr double kBrightest = 1e30;  // far above any light, far below float's overflow
   if (const auto intensity = node.find("intensity"))
     light.radiance = light.radiance * static_cast<float>(intensity->number(0, kBrightest));
@@ -147,7 +144,7 @@ EnvironmentLight read_environment(const JsonNode& node, const std::string& folde
   return light;
 }
 
-Light read_light(const JsonNode& node, const std::string& folder) {
+Light read_light(const JsonNode& node, const FindPicture& find_picture) {
   if (!node.is_object()) node.fail("expected an object");
   const std::string type = node.at("type").string();
   if (type == "point") {
@@ -174,7 +171,7 @@ Light read_light(const JsonNode& node, const std::string& folder) {
     node.expect_fields({"type", "radiance"});
     return ConstantLight{node.at("radiance").color()};
   }
-  if (type == "environment") return read_environment(node, folder);
+  if (type == "environment") return read_environment(node, find_picture);
   node.at("type").fail("unknown light '" + printable(type) +
                        "'; expected point, spot, directional, constant or environment");
 }

@@ -1,6 +1,7 @@
 // The parts of a native scene file that stand by themselves: materials, lights, the camera, transforms.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,9 +11,11 @@
 
 namespace kairos {
 
-/// `folder` is the scene file's: textures lie in it.
-Material read_material(const std::string& name, const JsonNode& node, const std::string& folder);
-Light read_light(const JsonNode& node, const std::string& folder);
+/// The path of a picture that a scene file names; empty for one that it may not read.
+using FindPicture = std::function<std::string(const JsonNode& name)>;
+
+Material read_material(const std::string& name, const JsonNode& node, const FindPicture& find_picture);
+Light read_light(const JsonNode& node, const FindPicture& find_picture);
 SceneCamera read_camera(const JsonNode& node);
 /// One {matrix} or a list of {time, matrix}.
 TransformKeys read_transform(const JsonNode& node);

@@ -21,18 +21,15 @@ constexpr float kBrightest = 1e30f;  // far above any light, far below float's o
 
 /// A file that an OBJ or MTL file names, from its own folder; nothing, with a warning, where it may not be read or is
 /// not there. Programs for Windows write backslashes.
-std::optional<std::string> find_named(std::string name, const std::string& folder, const FilePlace& place,
+std::optional<std::string> find_named(std::string name, const SceneFolder& folder, const FilePlace& place,
                                       FileWarnings& warnings) {
   std::replace(name.begin(), name.end(), '\\', '/');
-  std::string why = "is not there, or no file";
-  try {
-    const std::string path = resolve_inside(folder, name, place.text());
-    std::error_code ec;
-    if (std::filesystem::is_regular_file(path, ec)) return path;
-  } catch (const Error&) {
-    why = "is not in this file's folder or below";
-  }
-  warnings.add(place, "'" + printable(name, 200) + "' " + why + ": left out");
+  std::string problem;
+  const std::string path = folder.try_resolve(name, problem);
+  std::error_code ec;
+  if (problem.empty() && std::filesystem::is_regular_file(path, ec)) return path;
+  if (problem.empty()) problem = "'" + printable(name, 200) + "' is not there, or no file";
+  warnings.add(place, problem + ": left out");
   return std::nullopt;
 }
 
@@ -92,9 +89,9 @@ Material make_material(const Statements& said) {
 
 class MtlParser {
  public:
-  MtlParser(std::string_view text, const std::string& path, FileWarnings& warnings,
+  MtlParser(std::string_view text, const std::string& path, const std::string& root, FileWarnings& warnings,
             std::map<std::string, Material>& materials)
-      : lines_(text), path_(path), folder_(parent_folder(path)), warnings_(warnings), materials_(materials) {}
+      : lines_(text), path_(path), folder_{parent_folder(path), root}, warnings_(warnings), materials_(materials) {}
 
   void parse() {
     std::string_view whole;
@@ -240,7 +237,7 @@ class MtlParser {
 
   Lines lines_;
   const std::string& path_;
-  const std::string folder_;
+  const SceneFolder folder_;
   FileWarnings& warnings_;
   std::map<std::string, Material>& materials_;
   std::optional<Statements> said_;
@@ -260,21 +257,22 @@ std::vector<std::string> split_names(const std::string& line, const std::string&
 }  // namespace
 
 void parse_mtl(std::string_view text, const std::string& path, FileWarnings& warnings,
-               std::map<std::string, Material>& materials) {
-  MtlParser(text, path, warnings, materials).parse();
+               std::map<std::string, Material>& materials, const std::string& root) {
+  MtlParser(text, path, root, warnings, materials).parse();
 }
 
-std::vector<Material> read_obj_materials(const std::string& obj_path, const std::vector<std::string>& libraries,
+std::vector<Material> read_obj_materials(const std::string& obj_path, const std::string& root,
+                                         const std::vector<std::string>& libraries,
                                          const std::vector<std::string>& names, FileWarnings& warnings) {
   constexpr uint64_t kMaxFileSize = 64 << 20;
-  const std::string folder = parent_folder(obj_path);
+  const SceneFolder folder{parent_folder(obj_path), root};
   const FilePlace place{obj_path, 0};
   std::map<std::string, Material> defined;
   for (const std::string& line : libraries)
-    for (const std::string& name : split_names(line, folder))
+    for (const std::string& name : split_names(line, folder.path))
       if (const auto path = find_named(name, folder, place, warnings)) {
         const std::vector<uint8_t> bytes = read_file(*path, kMaxFileSize);
-        parse_mtl({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, *path, warnings, defined);
+        parse_mtl({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, *path, warnings, defined, root);
       }
   std::vector<Material> materials;
   for (const std::string& name : names) {

@@ -24,7 +24,7 @@ std::string name_of(const std::string& kind, const Parameters& parameters) {
 
 }  // namespace
 
-Builder::Builder(std::string folder, LoadContext& load, uint64_t max_triangles)
+Builder::Builder(SceneFolder folder, LoadContext& load, uint64_t max_triangles)
     : warnings(load.options.strict),
       textures(folder, warnings),
       materials(textures, warnings),
@@ -152,6 +152,11 @@ void Builder::add_use(Use use, const Place& place) {
   if (triangles > triangles_left_ || uses_left_ == 0) fail(place, "the scene has too many triangles or instances");
   triangles_left_ -= triangles;
   --uses_left_;
+  // Where it comes to lie it gets copies of its triangles, and perhaps of its texture coordinates.
+  constexpr uint64_t kBytesOfUse = 512;  // with its motion and its mesh
+  load_.budget.charge(
+      kBytesOfUse + triangles * (sizeof(Triangle) + sizeof(uint32_t)) + use.geometry->uvs.size() * sizeof(Vec2f),
+      place.text());
   (object_ ? objects_[*object_] : uses_).push_back(std::move(use));
 }
 

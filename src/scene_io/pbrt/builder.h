@@ -18,7 +18,7 @@ namespace kairos::pbrt {
 class Builder {
  public:
   /// max_triangles: of the whole scene, all instances counted.
-  Builder(std::string folder, LoadContext& load, uint64_t max_triangles);
+  Builder(SceneFolder folder, LoadContext& load, uint64_t max_triangles);
 
   // Statements, in the order of a file.
   void camera(const std::string& kind, const Parameters& parameters);
@@ -87,7 +87,7 @@ class Builder {
   uint32_t material_index(const Alpha& alpha);
   SceneMesh make_mesh(const Use& use, const TransformPath& outside) const;
 
-  std::string folder_;
+  SceneFolder folder_;
   LoadContext& load_;
   uint64_t triangles_left_, uses_left_;
   Attributes now_;

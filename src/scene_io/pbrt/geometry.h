@@ -22,7 +22,7 @@ struct Geometry {
 
 /// What reading a shape needs to know of its surroundings.
 struct ShapeContext {
-  std::string folder;  ///< files are found from here, and may not lie outside
+  SceneFolder folder;  ///< files are found from here, and may not lie outside
   LoadContext& load;
   Warnings& warnings;
   uint64_t max_triangles;  ///< of one shape
@@ -37,9 +37,12 @@ std::shared_ptr<const Geometry> read_shape(const std::string& kind, const Parame
 std::shared_ptr<const Geometry> finish_geometry(PolygonMesh mesh, const Place& place, ShapeContext& context);
 std::shared_ptr<const Geometry> make_geometry(MeshData data);
 
-/// A file below the scene's folder; nothing, with a warning, where it is not there.
-std::optional<std::string> find_file(const std::string& name, const Place& place, const std::string& folder,
-                                     Warnings& warnings);
+/// Can one do without a file that lies where the scene may not read? A picture is only left out.
+enum class Needed { yes, no };
+/// A file that the scene names; nothing, with a warning, where it is not there, or is a picture that may not be read.
+/// Throws Error(bad_input) for others that may not.
+std::optional<std::string> find_file(const std::string& name, const Place& place, const SceneFolder& folder,
+                                     Warnings& warnings, Needed needed = Needed::yes);
 
 /// Each gives the triangles of a shape whose parameters are checked here.
 MeshData tessellate_sphere(const Parameters& parameters);

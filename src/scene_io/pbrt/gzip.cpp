@@ -46,7 +46,7 @@ std::vector<uint8_t> gunzip(std::string_view packed, uint64_t limit, const std::
   for (;;) {
     if (used == out.size()) {
       if (used > limit) break;
-      out.resize(std::max(kFirst, out.size() * 2));
+      out.resize(std::min<uint64_t>(limit + 1, std::max(kFirst, out.size() * 2)));
     }
     if (stream.avail_in == 0) {
       const size_t piece = std::min(packed.size() - taken, kMostAtOnce);
@@ -69,15 +69,22 @@ std::vector<uint8_t> gunzip(std::string_view packed, uint64_t limit, const std::
     if ((status != Z_OK && status != Z_BUF_ERROR) || cut_short)
       throw Error(ErrorCode::bad_input, path, cut_short ? "is a gzip file cut short" : "is no whole gzip file");
   }
-  if (used > limit) throw Error(ErrorCode::bad_input, path, fmt::format("unpacks to more than {} bytes", limit));
+  if (used > limit)
+    throw Error(ErrorCode::bad_input, path,
+                fmt::format("unpacks to more than {} bytes; unpack it first, or raise --memory-budget", limit));
   out.resize(used);
   return out;
 }
 
-std::vector<uint8_t> read_maybe_packed(const std::string& path, uint64_t limit) {
+std::vector<uint8_t> read_maybe_packed(const std::string& path, uint64_t limit, MemoryBudget& budget) {
   std::vector<uint8_t> bytes = read_file(path, limit);
+  budget.add_file(bytes.size());
   if (!ends_with(path, ".gz")) return bytes;
-  return gunzip({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, limit, path);
+  constexpr uint64_t kMostUnpacked = 64, kShare = 4;
+  const uint64_t most = std::min(limit, kMostUnpacked * bytes.size() + budget.base() / kShare);
+  std::vector<uint8_t> unpacked = gunzip({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, most, path);
+  budget.charge(unpacked.size(), path);
+  return unpacked;
 }
 
 }  // namespace kairos::pbrt

@@ -42,7 +42,7 @@ LightSource read_infinite(const Parameters& parameters, const Mat4& matrix, Spec
   const bool v4 = parameters.find("filename") != nullptr;
   const std::string name = parameters.string(v4 ? "filename" : "mapname", "");
   if (name.empty()) return {ConstantLight{radiance}, radiance};
-  const auto path = find_file(name, parameters.place(), context.folder, context.warnings);
+  const auto path = find_file(name, parameters.place(), context.folder, context.warnings, Needed::no);
   const auto axes = axes_of(matrix);
   if (!axes) fail(parameters.place(), "an infinite light's transform leaves it without directions");
   if (!path) return {ConstantLight{radiance}, {}};

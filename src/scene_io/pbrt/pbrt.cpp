@@ -35,7 +35,7 @@ bool is_one_of(std::string_view word, const std::array<std::string_view, N>& lis
 class Reader {
  public:
   Reader(const std::string& path, LoadContext& context, uint64_t max_triangles)
-      : folder_(parent_folder(path)), context_(context), builder_(folder_, context, max_triangles) {}
+      : folder_(context.folder_of(path)), context_(context), builder_(folder_, context, max_triangles) {}
 
   void read(std::string_view text, const std::string& path) {
     Tokens tokens(text, path);
@@ -164,13 +164,13 @@ class Reader {
     if (context_.open_files.size() >= kMaxIncludeDepth)
       fail(place, fmt::format("files are nested more than {} deep; does one include itself?", kMaxIncludeDepth));
     context_.count_file(place.text());
-    const std::vector<uint8_t> bytes = read_maybe_packed(*path, kMaxFileSize);
+    const std::vector<uint8_t> bytes = read_maybe_packed(*path, kMaxFileSize, context_.budget);
     context_.open_files.push_back(*path);
     read({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, *path);
     context_.open_files.pop_back();
   }
 
-  const std::string folder_;
+  const SceneFolder folder_;
   LoadContext& context_;
   Builder builder_;
   bool ended_ = false;  ///< has WorldEnd come?
@@ -187,7 +187,7 @@ Scene parse_pbrt(std::string_view text, const std::string& path, LoadContext& co
 
 Scene load_pbrt(const std::string& path, LoadContext& context) {
   context.count_file(path);
-  const std::vector<uint8_t> bytes = pbrt::read_maybe_packed(path, pbrt::kMaxFileSize);
+  const std::vector<uint8_t> bytes = pbrt::read_maybe_packed(path, pbrt::kMaxFileSize, context.budget);
   return parse_pbrt({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path, context);
 }
 

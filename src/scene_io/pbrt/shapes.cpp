@@ -1,4 +1,5 @@
 // Which shape a pbrt statement asks for; triangle and PLY meshes.
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
 
@@ -39,7 +40,7 @@ std::shared_ptr<const Geometry> read_ply(const Parameters& parameters, ShapeCont
   if (!path) return nullptr;
   constexpr uint64_t kMaxFileSize = uint64_t{1} << 33;
   context.load.count_file(*path);
-  const std::vector<uint8_t> bytes = read_maybe_packed(*path, kMaxFileSize);
+  const std::vector<uint8_t> bytes = read_maybe_packed(*path, kMaxFileSize, context.load.budget);
   return finish_geometry(parse_ply({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, *path),
                          parameters.place(), context);
 }
@@ -54,18 +55,26 @@ std::shared_ptr<const Geometry> read_loop(const Parameters& parameters, ShapeCon
   mesh.corners = triangle_indices(parameters, mesh.positions.size());
   MeshData cage = make_mesh_data({std::move(mesh)}, context.load.options.strict);
   for (const std::string& warning : cage.warnings) context.warnings.add_line(warning);
+  constexpr uint64_t kBytesPerTriangle = 512;  // of working space, a kilobyte a vertex
+  constexpr int64_t kMostDoublings = 31;
+  context.load.budget.charge((cage.triangles.size() * kBytesPerTriangle)
+                                 << (2 * std::clamp<int64_t>(levels, 0, kMostDoublings / 2)),
+                             parameters.place().text());
   return make_geometry(
       subdivide_loop(cage.positions[0], cage.triangles, levels, context.max_triangles, parameters.place()));
 }
 
 }  // namespace
 
-std::optional<std::string> find_file(const std::string& name, const Place& place, const std::string& folder,
-                                     Warnings& warnings) {
-  const std::string path = resolve_inside(folder, name, place.text());
+std::optional<std::string> find_file(const std::string& name, const Place& place, const SceneFolder& folder,
+                                     Warnings& warnings, Needed needed) {
+  std::string problem;
+  const std::string path = folder.try_resolve(name, problem);
+  if (!problem.empty() && needed == Needed::yes) fail(place, problem);
   std::error_code ec;
-  if (std::filesystem::is_regular_file(path, ec)) return path;
-  warnings.add(place, "the file '" + printable(name, 200) + "' is not there, or no file: left out");
+  if (problem.empty() && std::filesystem::is_regular_file(path, ec)) return path;
+  warnings.add(place, problem.empty() ? "the file '" + printable(name, 200) + "' is not there, or no file: left out"
+                                      : problem + ": left out");
   return std::nullopt;
 }
 

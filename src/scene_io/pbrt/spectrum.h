@@ -4,12 +4,13 @@
 #include <optional>
 #include <string>
 
+#include "base/file.h"
 #include "scene_io/pbrt/parameters.h"
 
 namespace kairos::pbrt {
 
 struct SpectrumContext {
-  std::string folder;  ///< files of samples are found from here, and may not lie outside
+  SceneFolder folder;  ///< files of samples are found from here, and may not lie outside
   Warnings& warnings;
 };
 

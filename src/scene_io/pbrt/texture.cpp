@@ -60,7 +60,7 @@ Texture Textures::image(const Parameters& parameters) {
     spectrum_.warnings.add(parameters.place(), "the wrap '" + printable(wrap) + "' of an image is taken as 'repeat'");
   const std::string name = parameters.string("filename", "");
   if (name.empty()) fail(parameters.place(), "an imagemap needs a 'filename'");
-  if (const auto path = find_file(name, parameters.place(), spectrum_.folder, spectrum_.warnings))
+  if (const auto path = find_file(name, parameters.place(), spectrum_.folder, spectrum_.warnings, Needed::no))
     texture.image = *path;
   else
     texture.factor = texture.factor * 0.5;

@@ -25,7 +25,7 @@ struct Texture {
 
 class Textures {
  public:
-  Textures(std::string folder, Warnings& warnings) : spectrum_{std::move(folder), warnings} {}
+  Textures(SceneFolder folder, Warnings& warnings) : spectrum_{std::move(folder), warnings} {}
 
   /// Adds what a Texture statement defines. type: "float" or "spectrum"; kind: "imagemap" and so on.
   void define(const std::string& name, const std::string& type, const std::string& kind, const Parameters& parameters);
