@@ -178,7 +178,8 @@ void make_printable(Scene& scene) {
   for (SceneMesh& mesh : scene.meshes) clean(mesh.name);
   for (SceneCamera& camera : scene.cameras) clean(camera.name);
   for (Material& material : scene.materials) clean(material.name);
-  for (std::string& animation : scene.animations) clean(animation);
+  for (SceneAnimation& animation : scene.animations) clean(animation.name);
+  for (std::string& note : scene.notes) clean(note);
   for (std::string& warning : scene.warnings) clean(warning);
 }
 

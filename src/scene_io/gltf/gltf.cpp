@@ -46,9 +46,10 @@ std::string first_of(const std::string& a, const std::string& b, const std::stri
 
 class SceneReader {
  public:
-  SceneReader(std::span<const uint8_t> bytes, const std::string& name, const SceneFolder& folder,
-              LoadContext& context)
-      : options_(context.options), warnings_(name, context.options.strict), document_(read_document(bytes, name, folder, context.budget, warnings_)) {}
+  SceneReader(std::span<const uint8_t> bytes, const std::string& name, const SceneFolder& folder, LoadContext& context)
+      : options_(context.options),
+        warnings_(name, context.options.strict),
+        document_(read_document(bytes, name, folder, context.budget, warnings_)) {}
 
   Scene read() {
     auto graph = std::make_shared<NodeGraph>(document_);
