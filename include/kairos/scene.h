@@ -60,7 +60,9 @@ struct Material {
   /// Otherwise sight and light meet only the front. A surface with transmission is the border of what it encloses, and
   /// is there from both sides all the same.
   bool double_sided = true;
-  bool unlit = false;  ///< its base colour is what is seen of it, in any light; it shines on nothing
+  bool one_sided_emission = false;   ///< only the front shines
+  bool emits_where_cut_out = false;  ///< what alpha takes away lights others all the same, though nobody sees it
+  bool unlit = false;                ///< its base colour is what is seen of it, in any light; it shines on nothing
   // Pictures that multiply the values above. Base colour and alpha are multiplied by Mesh::colors, too.
   TextureRef base_color_texture;  ///< its alpha multiplies `alpha`
   TextureRef emission_texture;

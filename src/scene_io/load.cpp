@@ -82,12 +82,24 @@ MeshFile load_mesh_file(const std::vector<std::string>& paths, bool with_materia
 
 namespace {
 
+/// What a file shows that says nothing of materials: grey, or its vertices' colours as they are.
+Material material_without(const MeshFile& file) {
+  Material material;
+  for (const MaterialPart& part : file.parts) {
+    if (part.data.colors.empty()) continue;
+    material.base_color = {1, 1, 1};
+    for (const Vec4f& color : part.data.colors)
+      if (color.w < 1) material.alpha_mode = Material::AlphaMode::blend;
+  }
+  return material;
+}
+
 /// A scene of one mesh, or one for each of its materials, with keys spread evenly over the time 0 to 1.
 Scene load_mesh_scene(const std::vector<std::string>& paths, LoadContext& context) {
   MeshFile file = load_mesh_file(paths, true, context);
   Scene scene;
   scene.materials = std::move(file.materials);
-  if (scene.materials.empty()) scene.materials.emplace_back();
+  if (scene.materials.empty()) scene.materials.push_back(material_without(file));
   scene.fps = 1;
   if (paths.size() > 1) scene.shutter = {0, 1};
   scene.warnings = std::move(file.warnings);
@@ -131,6 +143,7 @@ void number_repeated_names(std::vector<T>& named) {
 void take_surface(SceneMesh& mesh, MeshData& data) {
   mesh.triangles = std::move(data.triangles);
   mesh.uvs = std::move(data.uvs);
+  mesh.colors = std::move(data.colors);
   mesh.prim_ids = std::move(data.prim_ids);
 }
 
@@ -145,6 +158,7 @@ void append_scene(Scene& scene, Scene other) {
   move_append(scene.materials, other.materials);
   move_append(scene.meshes, other.meshes);
   scene.embedded_pictures.merge(other.embedded_pictures);
+  scene.pictures.merge(other.pictures);
   move_append(scene.cameras, other.cameras);
   move_append(scene.lights, other.lights);
   move_append(scene.animations, other.animations);

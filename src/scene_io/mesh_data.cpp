@@ -8,6 +8,7 @@
 
 #include <kairos/error.h>
 
+#include "image/srgb.h"
 #include "scene_io/triangulate.h"
 
 namespace kairos {
@@ -219,6 +220,7 @@ MeshData make_mesh_data(std::vector<PolygonMesh> keys, bool strict) {
   if (!first.uvs.empty()) data.uvs = vertices.gather(first.uvs, first.corner_uvs);
   for (Vec2f& uv : data.uvs)
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = {};
+  if (!first.colors.empty()) data.colors = vertices.gather(first.colors, {});
   for (PolygonMesh& key : keys) {
     if (with_normals) {
       data.normals.push_back(vertices.gather(key.normals, key.corner_normals));
@@ -258,6 +260,11 @@ MeshData make_mesh_data(std::vector<PolygonMesh> keys, bool strict) {
   data.material_names = std::move(first.material_names);
   data.libraries = std::move(first.libraries);
   return data;
+}
+
+Vec4f color_of_codes(Vec4f codes) {
+  const auto within = [](float code) { return code < 0 ? 0 : code < 1 ? code : 1; };  // 1 for NaN
+  return {srgb_value(within(codes.x)), srgb_value(within(codes.y)), srgb_value(within(codes.z)), within(codes.w)};
 }
 
 std::vector<Vec2f> uvs_from_above(std::vector<Vec2f> uvs) {

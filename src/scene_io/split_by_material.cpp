@@ -53,6 +53,7 @@ std::vector<MaterialPart> split_by_material(MeshData mesh) {
     for (const auto& key : mesh.positions) part.data.positions.push_back(pick(key, used));
     for (const auto& key : mesh.normals) part.data.normals.push_back(pick(key, used));
     part.data.uvs = pick(mesh.uvs, used);
+    part.data.colors = pick(mesh.colors, used);
     parts.push_back(std::move(part));
   }
   return parts;

@@ -104,7 +104,7 @@ void Lights::add_areas() {
 float Lights::presence(uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& vertices,
                        const std::array<float, 3>& weights) const {
   const Material& material = looks_.material(mesh);
-  if (material.alpha_mode == Material::AlphaMode::opaque) return 1;
+  if (material.alpha_mode == Material::AlphaMode::opaque || material.emits_where_cut_out) return 1;
   const float alpha = looks_.alpha_at(mesh, triangle, vertices, weights, 0).alpha;
   return material.alpha_mode == Material::AlphaMode::blend ? std::clamp(alpha, 0.0f, 1.0f)
                                                            : (alpha >= material.alpha_cutoff ? 1 : 0);
@@ -130,9 +130,11 @@ std::optional<ArrivingLight> Lights::area(Vec3d point, float time, const std::ar
   const double dist_squared = dot(way, way), dist = std::sqrt(dist_squared);
   if (!(dist > 0) || !(probability > 0)) return std::nullopt;
   const double towards = -dot(geometric_normal(v), way);
-  if (mesh.one_sided && !(towards > 0)) return std::nullopt;  // it shines as it is seen: from its front
+  const Material& material = shot_.materials[mesh.material];
+  // What is seen from its front alone shines from there alone, too.
+  if ((mesh.one_sided || material.one_sided_emission) && !(towards > 0)) return std::nullopt;
   const double cosine = std::abs(towards) / dist;
-  const Vec3f emission = shot_.materials[mesh.material].emission;
+  const Vec3f emission = material.emission;
   const double factor =
       presence(chosen->mesh, chosen->triangle, v, weights) * cosine * area_of(v) / (dist_squared * probability);
   if (!(factor > 0) || !std::isfinite(factor)) return std::nullopt;

@@ -68,6 +68,12 @@ Look Shader::look(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, 
   return looks_->at(mesh, triangle, vertices, weights, width);
 }
 
+bool Shader::shines(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
+  if (!looks_->material(mesh).one_sided_emission) return true;
+  const std::array<Vec3d, 3> vertices = triangle_at(shot_.meshes[mesh], triangle, time);
+  return dot(geometric_normal(vertices), to_double(ray.direction)) < 0;
+}
+
 Shade Shader::shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, SampleKey key) const {
   Shade shade;
   double width = 0;
@@ -81,7 +87,8 @@ Shade Shader::shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time
     case ShadingKind::bounds:  // shows no surfaces, and so does not ask
     case ShadingKind::bounds_exact:
     case ShadingKind::flat:
-      shade.colour = looks_->material(mesh).unlit ? seen.base_colour : seen.base_colour + seen.emission;
+      shade.colour = seen.base_colour;
+      if (!looks_->material(mesh).unlit && shines(ray, mesh, triangle, time)) shade.colour += seen.emission;
       break;
     case ShadingKind::whitted:
       shade.colour = whitted_->radiance(ray, mesh, triangle, time, width, key);

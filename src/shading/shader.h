@@ -66,6 +66,8 @@ class Shader {
 
  private:
   Vec3f normal(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;
+  /// Does the side that a ray sees emit what its material does?
+  bool shines(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;
   Look look(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, double& width) const;
 
   const Shot& shot_;

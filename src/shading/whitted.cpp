@@ -92,6 +92,7 @@ Whitted::Point Whitted::point_at(const Ray& ray, uint32_t mesh_index, uint32_t t
   p.width = width;
   p.entering = dot(p.face, p.to_viewer) >= 0;
   if (!p.entering) p.face = -p.face;
+  if (!p.entering && p.material->one_sided_emission) p.look.emission = {};
   p.normal = p.face;
   const Vec3f own = interpolated_normal(mesh, triangle, weights, instant.time);
   if (own != Vec3f{}) {

@@ -91,6 +91,12 @@ TEST_F(ObjMaterials, Pictures) {
   EXPECT_EQ(cut.alpha_texture.picture, "") << "the colour's picture has an alpha of its own";
   EXPECT_EQ(cut.alpha_mode, Material::AlphaMode::mask);
   EXPECT_EQ(material("Pm 1\nmap_Pr tex/c.png\n").metallic_roughness_texture.picture, folder_.path("tex/c.png"));
+  const Material placed = material("map_Kd -s 2 4 1 -o .5 -1 0 tex/c.png\nnorm tex/c.png\nPc .5\nPcr .25\n");
+  // A vertex's texture coordinate counts from the lower edge in the file, from the upper here.
+  EXPECT_EQ(placed.base_color_texture.place({0.25f, 1 - 0.75f}), (Vec2f{2 * 0.25f + 0.5f, 1 - (4 * 0.75f - 1)}));
+  EXPECT_EQ(placed.normal_texture.picture, folder_.path("tex/c.png"));
+  EXPECT_EQ(placed.clearcoat, 0.5f);
+  EXPECT_EQ(placed.clearcoat_roughness, 0.25f);
   material("map_Kd gone.png\nmap_Kd ../x.png\nmap_Kd -bm 2 tex/c.png\nbump tex/c.png\nPs 1\n", false);
   EXPECT_THAT(warnings_, ElementsAre(HasSubstr("lib.mtl:2: 'gone.png' is not there"), HasSubstr("'../x.png' is not"),
                                      HasSubstr("lib.mtl:4: the option '-bm'"), HasSubstr("statements 'bump'"),
@@ -117,6 +123,19 @@ TEST_F(ObjMaterials, OneMeshForEachMaterial) {
   EXPECT_THAT(scene->meshes[2].prim_ids, ElementsAre(3));
   EXPECT_THAT(positions(scene->meshes[2], 1), ElementsAre(Vec3d{5, 5, 9}, Vec3d{6, 5, 9}, Vec3d{5, 6, 9}));
   EXPECT_EQ(positions(scene->meshes[1], 0.5).at(scene->meshes[1].triangles.at(2)[0]), (Vec3d{0, 1, 4}));
+}
+
+TEST_F(ObjMaterials, ColoursOfVerticesAreSeenAsTheyAre) {
+  const std::string vertices = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1 ", face = "\nf 1 2 3\n";
+  const auto scene = load({vertices + face});
+  EXPECT_EQ(scene->materials.at(0).base_color, (Vec3f{1, 1, 1}));
+  EXPECT_EQ(scene->materials[0].alpha_mode, Material::AlphaMode::opaque);
+  EXPECT_EQ(scene->meshes.at(0).colors.at(1), (Vec4f{0, 1, 0, 1}));
+  EXPECT_EQ(load({vertices + ".5" + face})->materials.at(0).alpha_mode, Material::AlphaMode::blend);
+  // Each material's mesh has its vertices' colours.
+  const auto split = load({vertices + face + "usemtl b\nf 3 2 1\n"});
+  ASSERT_THAT(split->meshes, SizeIs(2));
+  EXPECT_THAT(split->meshes[1].colors, ElementsAre(Vec4f{0, 0, 1, 1}, Vec4f{0, 1, 0, 1}, Vec4f{1, 0, 0, 1}));
 }
 
 TEST_F(ObjMaterials, WhatLibrariesLackIsAWarning) {

@@ -1,6 +1,7 @@
 #include "scene_io/obj/obj.h"
 
 #include <clocale>
+#include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -137,6 +138,33 @@ TEST(Obj, WhatIsNotReadIsSaidOnce) {
   std::string many = kSquare;
   for (int i = 0; i < 5000; ++i) many += "word" + std::to_string(i) + "\n";
   EXPECT_LT(load(many).warnings.size(), 300u);
+}
+
+TEST(Obj, VerticesMayHaveColours) {
+  const MeshData mesh =
+      load("v 0 0 0 1 0.5 0\nv 1 0 0\nv 1 1 0 .25 0 1 .5\nvt 0 0\nvt 1 1\nf 1/1 2/1 3/1\nf 1/2 3/1 2/1\n");
+  ASSERT_THAT(mesh.colors, SizeIs(4));
+  const auto linear = [](double code) {  // IEC 61966-2-1
+    return static_cast<float>(code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4));
+  };
+  const auto expect_color = [](Vec4f a, Vec4f b) {
+    EXPECT_NEAR(a.x, b.x, 1e-6);
+    EXPECT_NEAR(a.y, b.y, 1e-6);
+    EXPECT_NEAR(a.z, b.z, 1e-6);
+    EXPECT_NEAR(a.w, b.w, 1e-6);
+  };
+  expect_color(mesh.colors[0], {1, linear(0.5), 0, 1});
+  expect_color(mesh.colors[1], {1, 1, 1, 1});
+  expect_color(mesh.colors[2], {linear(0.25), 0, 1, 0.5f});
+  expect_color(mesh.colors[3], mesh.colors[0]);  // a corner with another texture coordinate
+  const MeshData bytes = load("v 0 0 0 255 51 0\nv 1 0 0 0 0 1\nv 1 1 0\nf 1 2 3\n");
+  expect_color(bytes.colors[0], {1, linear(0.2), 0, 1});
+  expect_color(bytes.colors[1], {0, 0, linear(1 / 255.0), 1});
+  expect_color(bytes.colors[2], {1, 1, 1, 1});
+  EXPECT_THAT(load(kSquare + "v 1 2 3 0.5\nf 1 2 3\n").colors, IsEmpty()) << "a weight";
+  const MeshData odd = load("v 0 0 0 nan -1 inf\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
+  for (const Vec4f& c : odd.colors)
+    for (const float part : {c.x, c.y, c.z, c.w}) EXPECT_TRUE(part >= 0 && part <= 1) << part;
 }
 
 TEST(Obj, KeysShareOneConnectivity) {

@@ -7,6 +7,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 class PbrtErrors : public PbrtTest {};
 
@@ -23,7 +24,12 @@ TEST_F(PbrtErrors, NameFileAndLine) {
   refuse("Shape \"sphere\"\n\n\"float radius\" Shape", {"scene.pbrt:3", "a value of 'radius'"});
   refuse("Shape \"sphere\" \"float radius\" [1 2]", {"one finite number"});
   refuse("Transform [1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 2]", {"']' is missing"});
-  refuse("Transform [1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1]", {"projects"});
+  refuse("Transform [1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 0]", {"are all 0"});
+  const std::string projects = "Transform [1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1]\n";
+  refuse(projects + "Camera \"perspective\"", {"scene.pbrt:2", "projects"});
+  refuse(projects + "ObjectBegin \"a\" ObjectEnd ObjectInstance \"a\"", {"scene.pbrt:2", "projects"});
+  refuse("ActiveTransform EndTime\n" + projects + kTriangle, {"scene.pbrt:3", "projects"});
+  refuse("Transform [1 0 0 -1 0 1 0 0 0 0 1 0 0 0 0 1]\n" + std::string(kTriangle), {"scene.pbrt:2", "infinity"});
   refuse("Scale 1e200 1 1 Scale 1e200 1 1", {"not finite after this"});
   refuse("Rotate 10 0 0 0", {"axis"});
   refuse("LookAt 0 0 0 0 0 0 0 1 0", {"no direction"});
@@ -35,7 +41,7 @@ TEST_F(PbrtErrors, NameFileAndLine) {
 
 TEST_F(PbrtErrors, BlocksMustMatch) {
   refuse("\nAttributeEnd", {"scene.pbrt:2", "AttributeEnd without"});
-  refuse("AttributeBegin\nTransformEnd", {"scene.pbrt:2", "AttributeBegin in line 1"});
+  refuse("TransformBegin\nAttributeEnd", {"scene.pbrt:2", "AttributeEnd without"});
   refuse("ObjectEnd", {"ObjectEnd without"});
   refuse("ObjectBegin \"a\" ObjectBegin \"b\"", {"inside of ObjectBegin"});
   refuse("ObjectBegin \"a\" ObjectInstance \"a\"", {"instance of itself"});
@@ -44,6 +50,29 @@ TEST_F(PbrtErrors, BlocksMustMatch) {
   std::string deep;
   for (int i = 0; i < 5000; ++i) deep += "AttributeBegin\n";
   refuse(deep, {"scene.pbrt:4097", "deep"});
+}
+
+/// pbrt-v3 keeps a stack of transforms and one of attributes; any end takes the top.
+TEST_F(PbrtErrors, BlocksMayCrossAsInV3) {
+  const std::string crossed = "AttributeBegin\nTranslate 1 0 0\nObjectBegin \"o\"\nTranslate 2 0 0\n" +
+                              std::string(kTriangle) + "AttributeEnd\n" + kTriangle +
+                              "ObjectEnd\nObjectInstance \"o\"\n" + kTriangle;
+  const Scene scene = load_world(crossed);
+  ASSERT_THAT(scene.meshes, SizeIs(3));
+  // What stands before ObjectEnd is part of the object, without the translation that AttributeEnd took back.
+  EXPECT_EQ(positions(scene.meshes[0])[0], (Vec3d{4, 2, 3}));
+  EXPECT_EQ(positions(scene.meshes[1])[0], (Vec3d{2, 2, 3}));
+  EXPECT_EQ(positions(scene.meshes[2])[0], (Vec3d{1, 2, 3}));
+  EXPECT_THAT(scene.warnings, ElementsAre(HasSubstr("AttributeEnd closes the ObjectBegin of line 6, as in pbrt-v3"),
+                                          HasSubstr("ObjectEnd closes the AttributeBegin of line 4, as in pbrt-v3")));
+  expect_error([&] { load_world(crossed, true); }, {"AttributeEnd closes"});
+  const Scene transforms = load_world(
+      "AttributeBegin\nReverseOrientation\nTranslate 1 0 0\nTransformBegin\nTranslate "
+      "2 0 0\nAttributeEnd\n" +
+      std::string(kTriangle) + "TransformEnd\n" + kTriangle);
+  EXPECT_EQ(positions(transforms.meshes[0])[0], (Vec3d{2, 2, 3}));
+  EXPECT_GT(geometric_normal(transforms.meshes[0]).z, 0) << "attributes end with AttributeEnd";
+  EXPECT_EQ(positions(transforms.meshes[1])[0], (Vec3d{1, 2, 3}));
 }
 
 TEST_F(PbrtErrors, UnknownStatementsAreReportedAndPassedOver) {

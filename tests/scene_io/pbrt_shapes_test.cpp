@@ -14,6 +14,7 @@ using std::numbers::pi;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 const std::string kPly =
     "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float u\n"
@@ -46,8 +47,8 @@ class PbrtShapes : public PbrtTest {
     for (size_t i = 0; i < mesh.triangles.size(); ++i) {
       const Triangle& t = mesh.triangles[i];
       const Vec3d middle = (p[t[0]] + p[t[1]] + p[t[2]]) / 3.0;
-      ASSERT_GT(dot(geometric_normal(mesh, i), outside(middle)), 0) << i;
-      for (const uint32_t v : t) ASSERT_GT(dot(to_double(n[v]), outside(p[v])), 0.99 * length(outside(p[v]))) << i;
+      ASSERT_GT(dot(cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]]), outside(middle)), 0) << i;
+      for (const uint32_t v : t) ASSERT_GE(dot(to_double(n[v]), outside(p[v])), 0.99 * length(outside(p[v]))) << i;
     }
   }
 };
@@ -86,6 +87,89 @@ TEST_F(PbrtShapes, Cylinder) {
   expect_front(mesh, [](Vec3d p) { return Vec3d{p.x, p.y, 0}; });
 }
 
+TEST_F(PbrtShapes, Cone) {
+  const SceneMesh mesh = shape("\"cone\" \"float radius\" 3 \"float height\" 4");
+  EXPECT_NEAR(area(mesh), pi * 3 * 5, pi * 3 * 5 * 1e-3);
+  expect_front(mesh, [](Vec3d p) { return Vec3d{4 * p.x, 4 * p.y, 3 * std::hypot(p.x, p.y)}; });
+  for (const Vec3d& p : positions(mesh)) EXPECT_NEAR(std::hypot(p.x, p.y), 3 * (1 - p.z / 4), 1e-6);
+}
+
+TEST_F(PbrtShapes, Paraboloid) {
+  // z = x^2 + y^2 from 1 to 4: its area is pi/6 ((4 z + 1)^(3/2)) between both.
+  const SceneMesh mesh = shape("\"paraboloid\" \"float radius\" 2 \"float zmin\" 1 \"float zmax\" 4");
+  const double exact = pi / 6 * (std::pow(17, 1.5) - std::pow(5, 1.5));
+  EXPECT_NEAR(area(mesh), exact, exact * 1e-3);
+  for (const Vec3d& p : positions(mesh)) EXPECT_NEAR(p.x * p.x + p.y * p.y, p.z, 1e-5);
+  expect_front(mesh, [](Vec3d p) { return Vec3d{2 * p.x, 2 * p.y, -1}; });
+}
+
+TEST_F(PbrtShapes, Hyperboloid) {
+  // A line beside the axis sweeps x^2 + y^2 - z^2 = 1.
+  const SceneMesh mesh = shape("\"hyperboloid\" \"point p1\" [1 -2 -2] \"point p2\" [1 1 1] \"float phimax\" 180");
+  for (const Vec3d& p : positions(mesh)) EXPECT_NEAR(p.x * p.x + p.y * p.y - p.z * p.z, 1, 1e-5);
+  expect_front(mesh, [](Vec3d p) { return Vec3d{p.x, p.y, -p.z}; });
+  // 2 pi times the integral of r sqrt(1 + r'^2): sqrt(1 + 2 z^2), for half a turn.
+  const auto integral = [](double z) {
+    return z / 2 * std::sqrt(1 + 2 * z * z) + std::asinh(std::sqrt(2) * z) / (2 * std::sqrt(2));
+  };
+  const double exact = pi * (integral(1) - integral(-2));
+  EXPECT_NEAR(area(mesh), exact, exact * 2e-3);
+}
+
+TEST_F(PbrtShapes, QuadricsAreAsFineAsTheyAreLarge) {
+  const auto triangles = [&](const std::string& statements, const std::string& camera = "\"perspective\"") {
+    return load("LookAt 0 0 0 0 0 1 0 1 0\nCamera " + camera +
+                "\nFilm \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 200\nWorldBegin\n" + statements)
+        .meshes.at(0)
+        .triangles.size();
+  };
+  const std::string ball = "Shape \"sphere\"";
+  const size_t at_10 = triangles("Translate 0 0 11 " + ball);
+  // Half as far, it is twice as wide, and needs root 2 as many steps both ways.
+  EXPECT_GT(triangles("Translate 0 0 6 " + ball), 1.4 * static_cast<double>(at_10));
+  EXPECT_LT(triangles("Translate 0 0 6 " + ball), 3 * static_cast<double>(at_10));
+  EXPECT_EQ(triangles("Scale 5 5 5 Translate 0 0 11 " + ball), at_10) << "scaled as a whole it is as large";
+  EXPECT_EQ(triangles("Translate 0 0 -11 " + ball), at_10) << "mirrors may show what is behind";
+  EXPECT_LT(triangles("Translate 0 0 1000 " + ball), 200u);
+  EXPECT_GT(triangles(ball), 30000u) << "the eye is inside";
+  EXPECT_EQ(triangles("Translate 0 0 5 " + ball, "\"orthographic\""),
+            triangles("Translate 0 0 50 " + ball, "\"orthographic\""));
+  // Where it comes near while the shutter is open, that counts.
+  EXPECT_GT(
+      triangles("ActiveTransform EndTime Translate 0 0 6 ActiveTransform StartTime Translate 0 0 11 ActiveTransform "
+                "All " +
+                ball),
+      at_10);
+  // Instances are judged where they stand.
+  EXPECT_EQ(triangles("ObjectBegin \"o\" " + ball + " ObjectEnd Translate 0 0 11 ObjectInstance \"o\""), at_10);
+  // The outline leaves the circle by a tenth of a pixel at most: here a unit covers 10 pixels.
+  const Scene scene = load(
+      "LookAt 0 0 0 0 0 1 0 1 0\nCamera \"orthographic\" \"float screenwindow\" [-10 10 -10 10]\nFilm \"rgb\" "
+      "\"integer "
+      "xresolution\" 200 \"integer yresolution\" 200\nWorldBegin\nTranslate 0 0 20\nShape \"disk\" \"float radius\" 7");
+  const SceneMesh& disk = scene.meshes.at(0);
+  const std::vector<Vec3d> p = positions(disk);
+  double nearest = 7;
+  for (const Triangle& t : disk.triangles)
+    for (size_t i = 0; i < 3; ++i) {
+      const Vec3d middle = (p[t[i]] + p[t[(i + 1) % 3]]) * 0.5 - Vec3d{0, 0, 20};
+      if (length(p[t[i]] - Vec3d{0, 0, 20}) > 6.9 && length(p[t[(i + 1) % 3]] - Vec3d{0, 0, 20}) > 6.9)
+        nearest = std::min(nearest, length(middle));
+    }
+  EXPECT_LT(7 - nearest, 0.0101);
+  EXPECT_GT(7 - nearest, 0.003);
+}
+
+TEST_F(PbrtShapes, EqualQuadricsShareTheirVertices) {
+  std::string text = "LookAt 0 0 0 0 0 1 0 1 0\nCamera \"orthographic\"\nWorldBegin\n";
+  for (int i = 0; i < 50; ++i) text += "Translate 0 .01 0 Shape \"sphere\" \"float radius\" .02\n";
+  const Scene scene = load(text);
+  ASSERT_THAT(scene.meshes, SizeIs(50));
+  size_t triangles = 0;
+  for (const SceneMesh& mesh : scene.meshes) triangles += mesh.triangles.size();
+  EXPECT_LT(triangles, 50u * 1000);
+}
+
 TEST_F(PbrtShapes, BilinearPatch) {
   const SceneMesh flat = shape("\"bilinearmesh\" \"point3 P\" [0 0 0  2 0 0  0 3 0  2 3 0]");
   EXPECT_EQ(flat.triangles.size(), 2u);
@@ -96,8 +180,8 @@ TEST_F(PbrtShapes, BilinearPatch) {
       shape("\"bilinearmesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0  1 1 1] \"integer indices\" [0 1 2 3]");
   for (const Vec3d& p : positions(saddle)) EXPECT_NEAR(p.z, p.x * p.y, 1e-6);
   const std::vector<Vec3d> p = positions(saddle);
-  for (size_t v = 0; v < p.size(); ++v)
-    expect_near(to_double(normals(saddle)[v]), normalize(Vec3d{-p[v].y, -p[v].x, 1}), 1e-6);
+  const std::vector<Vec3f> n = normals(saddle);
+  for (size_t v = 0; v < p.size(); ++v) expect_near(to_double(n[v]), normalize(Vec3d{-p[v].y, -p[v].x, 1}), 1e-6);
 }
 
 TEST_F(PbrtShapes, TriangleMesh) {
@@ -155,8 +239,8 @@ TEST_F(PbrtShapes, PackedFilesAreNotTrusted) {
 
 TEST_F(PbrtShapes, UnknownShapesAreReportedOnce) {
   const Scene scene =
-      load_world("Shape \"curve\" \"point P\" [0 0 0]\nShape \"curve\"\nShape \"sphere\" \"float x\" 1");
-  EXPECT_THAT(scene.warnings, ElementsAre(HasSubstr("scene.pbrt:4: shapes of kind 'curve' are left out (2 times)"),
+      load_world("Shape \"nurbs\" \"point P\" [0 0 0]\nShape \"nurbs\"\nShape \"sphere\" \"float x\" 1");
+  EXPECT_THAT(scene.warnings, ElementsAre(HasSubstr("scene.pbrt:4: shapes of kind 'nurbs' are left out (2 times)"),
                                           HasSubstr("scene.pbrt:6: parameter 'x' of shape 'sphere' is left out")));
   EXPECT_EQ(scene.meshes.size(), 1u);
 }

@@ -10,6 +10,7 @@
 namespace kairos {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -52,6 +53,8 @@ TEST_F(PbrtSurface, MaterialsOfBothVersions) {
   EXPECT_EQ(mirror.metallic, 1);
   EXPECT_EQ(mirror.roughness, 0);
   EXPECT_FLOAT_EQ(mirror.base_color.x, 0.9f);
+  EXPECT_EQ(material_of("Material \"diffuse\" \"string normalmap\" \"a.png\"").normal_texture.picture,
+            folder_.path("a.png"));
   EXPECT_THAT(scene_.warnings, IsEmpty());
 }
 
@@ -93,12 +96,32 @@ TEST_F(PbrtSurface, NamedMaterialsAndMixes) {
       material_of(named + "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .75").base_color,
       {0.75, 0.75, 0.75});
   material_of("NamedMaterial \"c\"");
-  EXPECT_THAT(scene_.warnings, ElementsAre(HasSubstr("scene.pbrt:4: no material 'c' was defined before")));
+  EXPECT_THAT(scene_.warnings, ElementsAre(HasSubstr("scene.pbrt:4: no material 'c' is defined")));
   // One of ours for each that is used, however often.
   const Scene scene = load_world(named + "NamedMaterial \"a\"\n" + kTextured + "\nNamedMaterial \"b\"\n" + kTextured +
                                  "\nNamedMaterial \"a\"\n" + kTextured);
   EXPECT_THAT(scene.materials, SizeIs(2));
   EXPECT_EQ(scene.meshes[0].material, scene.meshes[2].material);
+}
+
+TEST_F(PbrtSurface, MaterialsMayBeDefinedLater) {
+  const std::string red = "MakeNamedMaterial \"m\" \"string type\" \"diffuse\" \"rgb reflectance\" [1 0 0]\n";
+  const std::string blue = "MakeNamedMaterial \"m\" \"string type\" \"diffuse\" \"rgb reflectance\" [0 0 1]\n";
+  const std::string use = "NamedMaterial \"m\"\n" + std::string(kTextured) + "\n";
+  const auto colours = [&](const std::string& text) {
+    const Scene scene = load_world(text, true);
+    std::vector<Vec3f> list;
+    for (const SceneMesh& mesh : scene.meshes) list.push_back(scene.materials.at(mesh.material).base_color);
+    return list;
+  };
+  EXPECT_THAT(colours(use + red), ElementsAre(Vec3f{1, 0, 0}));
+  EXPECT_THAT(colours("ObjectBegin \"o\"\n" + use + "ObjectEnd\nObjectInstance \"o\"\n" + red),
+              ElementsAre(Vec3f{1, 0, 0}));
+  // A second definition counts for what follows it.
+  EXPECT_THAT(colours(red + use + blue + use), ElementsAre(Vec3f{1, 0, 0}, Vec3f{0, 0, 1}));
+  EXPECT_THAT(colours(use + red + use + blue + use), ElementsAre(Vec3f{1, 0, 0}, Vec3f{1, 0, 0}, Vec3f{0, 0, 1}));
+  // What is defined later to be invisible is.
+  EXPECT_THAT(load_world(use + "MakeNamedMaterial \"m\" \"string type\" \"interface\"").meshes, IsEmpty());
 }
 
 TEST_F(PbrtSurface, TexturesAreEvaluatedAsFarAsPossible) {
@@ -129,18 +152,42 @@ TEST_F(PbrtSurface, TexturesAreEvaluatedAsFarAsPossible) {
           .base_color_texture.picture,
       folder_.path("a.png"));
   EXPECT_THAT(scene_.warnings, ElementsAre(HasSubstr("only the stronger part")));
-  expect_color(
-      kd("Texture \"c\" \"spectrum\" \"checkerboard\" \"rgb tex1\" [1 0 0] \"rgb tex2\" [0 0 1]", "c").base_color,
-      {0.5, 0, 0.5});
   kd("", "missing");
   EXPECT_THAT(scene_.warnings, ElementsAre(HasSubstr("no texture 'missing'")));
+}
+
+TEST_F(PbrtSurface, CheckerboardsAreDrawn) {
+  const std::string square =
+      "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point P\" [0 0 0 1 0 0 1 1 0 0 1 0] "
+      "\"float uv\" [0 0 1 0 1 1 0 1]";
+  const std::string board =
+      "Texture \"c\" \"spectrum\" \"checkerboard\" \"float uscale\" 4 \"float vscale\" 3 \"float udelta\" .5 "
+      "\"rgb tex1\" [1 .5 0] \"rgb tex2\" [0 0 2]\n"
+      "Texture \"s\" \"spectrum\" \"scale\" \"texture tex\" \"c\" \"float scale\" .5\n";
+  const Shot shot =
+      make_shot(load_world(board + "Material \"diffuse\" \"texture reflectance\" \"s\"\n" + square, true));
+  const Looks looks(shot);
+  const std::array<Vec3d, 3> corners{Vec3d{0, 0, 0}, {1, 0, 0}, {1, 1, 0}};
+  // Points of the first triangle; each square by the parity of pbrt's rule.
+  for (const Vec2d at : {Vec2d{0.3, 0.1}, {0.05, 0.02}, {0.2, 0.15}, {0.6, 0.4}, {0.9, 0.2}, {0.95, 0.9}, {0.5, 0.3}}) {
+    const auto weight = [](double w) { return static_cast<float>(w); };
+    const Vec3f seen = looks.at(0, 0, corners, {weight(1 - at.x), weight(at.x - at.y), weight(at.y)}, 1e-4).base_colour;
+    const double s = 4 * at.x + 0.5, t = 3 * at.y;
+    const bool first = (static_cast<int>(std::floor(s)) + static_cast<int>(std::floor(t))) % 2 == 0;
+    expect_near(to_double(seen), first ? Vec3d{0.5, 0.25, 0} : Vec3d{0, 0, 1}, 1e-6);
+  }
+  EXPECT_THAT(load_world(board + board).pictures, SizeIs(1)) << "equal ones are drawn once";
+  const Scene in_space = load_world("Texture \"c\" \"spectrum\" \"checkerboard\" \"integer dimension\" 3");
+  EXPECT_THAT(in_space.warnings, ElementsAre(HasSubstr("becomes one colour")));
 }
 
 TEST_F(PbrtSurface, TextureCoordinatesAreMapped) {
   material_of(
       "Texture \"i\" \"spectrum\" \"imagemap\" \"string filename\" \"a.png\" \"float uscale\" 2 \"float vscale\" 4 "
       "\"float udelta\" .5 \"float vdelta\" -1\nMaterial \"matte\" \"texture Kd\" \"i\"");
-  EXPECT_THAT(scene_.meshes[0].uvs, ElementsAre(Vec2f{0.5, 2}, Vec2f{2.5, 2}, Vec2f{0.5, -2}));
+  const TextureRef& ref = scene_.materials.at(scene_.meshes[0].material).base_color_texture;
+  const std::vector<Vec2f> expected{{0.5, 2}, {2.5, 2}, {0.5, -2}};
+  for (size_t v = 0; v < 3; ++v) EXPECT_EQ(ref.place(scene_.meshes[0].uvs.at(v)), expected[v]);
 }
 
 TEST_F(PbrtSurface, MissingImagesAreReportedOnce) {
@@ -171,6 +218,17 @@ TEST_F(PbrtSurface, AlphaImagesMakeMasks) {
   EXPECT_THAT(scene.warnings, ElementsAre(HasSubstr("cannot be seen")));
 }
 
+TEST_F(PbrtSurface, AnAlphaImageThatIsAbsentLeavesTheSurfaceWhole) {
+  const std::string gone = "Texture \"g\" \"float\" \"imagemap\" \"string filename\" \"gone.png\"\n";
+  const std::string half = "Texture \"h\" \"float\" \"scale\" \"texture tex\" \"g\" \"float scale\" .5\n";
+  for (const std::string name : {"g", "h"}) {
+    const Scene scene = load_world(gone + half + kTextured + " \"texture alpha\" \"" + name + "\"");
+    EXPECT_EQ(scene.materials[scene.meshes.at(0).material].alpha_mode, Material::AlphaMode::opaque);
+    EXPECT_EQ(scene.materials[scene.meshes[0].material].alpha, 1);
+    EXPECT_THAT(scene.warnings, ElementsAre(HasSubstr("'gone.png' is not there")));
+  }
+}
+
 TEST_F(PbrtSurface, AlphaImagesAreLookedUp) {
   Image image{1, 1, 0, 0, 1, 1, {}, {}};
   for (const char* channel : {"R", "G", "B"}) image.channels.push_back({channel, Channel::Storage::colour, {0}});
@@ -189,6 +247,95 @@ TEST_F(PbrtSurface, AreaLightsEmit) {
                                  std::string(kTextured) + "\nAttributeEnd\n" + kTextured);
   EXPECT_EQ(scene.materials[scene.meshes[0].material].emission, (Vec3f{2, 4, 6}));
   EXPECT_EQ(scene.materials[scene.meshes[1].material].emission, (Vec3f{}));
+}
+
+TEST_F(PbrtSurface, AreaLightsShineFromTheirFronts) {
+  const auto light = [&](const std::string& parameters, const std::string& shape = kTextured) {
+    scene_ = load_world("AreaLightSource \"diffuse\" \"rgb L\" [1 2 4] " + parameters + "\n" + shape);
+    return scene_.materials.at(scene_.meshes.at(0).material);
+  };
+  EXPECT_TRUE(light("").one_sided_emission);
+  EXPECT_FALSE(light("\"bool twosided\" true").one_sided_emission);
+  EXPECT_FALSE(material_of("").one_sided_emission);
+  // The front is where the normals point.
+  light("", "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] \"normal N\" [0 0 -1 0 0 -1 0 0 -1]");
+  EXPECT_LT(geometric_normal(scene_.meshes[0]).z, 0);
+  const Material unseen = light("", std::string(kTextured) + " \"float alpha\" 0");
+  EXPECT_TRUE(unseen.emits_where_cut_out);
+  EXPECT_EQ(unseen.alpha_mode, Material::AlphaMode::mask);
+  EXPECT_LT(unseen.alpha, unseen.alpha_cutoff);
+  EXPECT_EQ(unseen.emission, (Vec3f{1, 2, 4}));
+  EXPECT_THAT(scene_.warnings, IsEmpty());
+}
+
+TEST_F(PbrtSurface, PowersAndIlluminances) {
+  const auto light = [&](const std::string& statement) {
+    scene_ = load_world("LightSource " + statement);
+    EXPECT_THAT(scene_.warnings, IsEmpty());
+    return scene_.lights.at(0);
+  };
+  constexpr float kPi = 3.14159265f;
+  expect_color(std::get<PointLight>(light("\"point\" \"float power\" 100")).intensity,
+               Vec3d{1, 1, 1} * (25 / double{kPi}));
+  expect_color(
+      std::get<PointLight>(light("\"point\" \"rgb I\" [.5 1 2] \"float power\" 8 \"float scale\" 3")).intensity,
+      Vec3d{0.5, 1, 2} * (6 / double{kPi}));
+  expect_color(std::get<DirectionalLight>(light("\"distant\" \"float illuminance\" 7")).irradiance, {7, 7, 7});
+  expect_color(std::get<ConstantLight>(light("\"infinite\" \"rgb L\" [1 .5 0] \"float illuminance\" 7")).radiance,
+               Vec3d{1, 0.5, 0} * (7 / double{kPi}));
+  // The whole cone with a sharp edge: 2 pi (1 - cos).
+  expect_color(
+      std::get<SpotLight>(light("\"spot\" \"float coneangle\" 60 \"float conedeltaangle\" 0 \"float power\" 9"))
+          .intensity,
+      Vec3d{1, 1, 1} * (9 / double{kPi}));
+  const auto emission = [&](const std::string& statements, size_t mesh = 0) {
+    scene_ = load_world(statements);
+    return scene_.materials.at(scene_.meshes.at(mesh).material).emission.x;
+  };
+  const std::string area = "AreaLightSource \"diffuse\" \"float power\" 10 ";
+  // Each triangle of a mesh is a light of its own; transforms count.
+  EXPECT_NEAR(emission(area + kTextured), 10 / (kPi * 0.5f), 1e-4);
+  EXPECT_NEAR(emission(area + "Scale 2 3 1 " + kTextured), 10 / (kPi * 3), 1e-4);
+  EXPECT_NEAR(emission(area + "\"bool twosided\" true " + kTextured), 5 / (kPi * 0.5f), 1e-4);
+  EXPECT_NEAR(emission(area + "Shape \"sphere\" \"float radius\" 2"), 10 / (kPi * 16 * kPi), 1e-3);
+}
+
+TEST_F(PbrtSurface, TheFilmMakesLightsBrighter) {
+  const auto film = [&](const std::string& camera, const std::string& statement, size_t warnings = 0) {
+    scene_ = load("Scale -1 1 1\nCamera \"perspective\" " + camera + "\nFilm " + statement +
+                  "\nWorldBegin LightSource \"infinite\" \"rgb L\" [1 1 1] LightSource \"point\"\n"
+                  "AreaLightSource \"diffuse\" \"rgb L\" [2 2 2]\n" +
+                  kTextured);
+    EXPECT_THAT(scene_.warnings, SizeIs(warnings));
+    const float factor = std::get<ConstantLight>(scene_.lights.at(0)).radiance.x;
+    EXPECT_EQ(scene_.background.x, factor);
+    EXPECT_EQ(std::get<PointLight>(scene_.lights.at(1)).intensity.x, factor);
+    EXPECT_EQ(scene_.materials.at(scene_.meshes.at(0).material).emission.x, 2 * factor);
+    return factor;
+  };
+  EXPECT_EQ(film("", "\"rgb\""), 1);
+  EXPECT_EQ(film("", "\"rgb\" \"float iso\" 400"), 4);
+  EXPECT_EQ(film("\"float shutteropen\" 1 \"float shutterclose\" 1.5", "\"rgb\" \"float iso\" 800"), 4);
+  EXPECT_EQ(film("\"float shutterclose\" .5", "\"image\""), 1) << "v3 has no exposure time";
+  EXPECT_EQ(film("\"float shutterclose\" .5", "\"image\" \"float scale\" 3"), 3);
+  EXPECT_EQ(film("\"float shutterclose\" 0", "\"rgb\"", 1), 1);
+  EXPECT_EQ(film("", "\"image\" \"float maxsampleluminance\" 5", 1), 1);
+  EXPECT_THAT(scene_.warnings[0], HasSubstr("'maxsampleluminance' is left out"));
+  film("", "\"rgb\" \"float maxcomponentvalue\" 5 \"float frobs\" 2 \"string sensor\" \"canon_eos_5d\"", 3);
+  EXPECT_THAT(scene_.warnings, Contains(HasSubstr("parameter 'frobs' of film 'rgb' is left out")));
+}
+
+TEST_F(PbrtSurface, ALightsMatrixMayProject) {
+  const std::string exchanged = "ConcatTransform [1 0 0 0  0 1 0 0  0 0 1 8.87  0 0 0 1]\n";
+  const Scene scene = load_world("AttributeBegin\n" + exchanged +
+                                     "LightSource \"infinite\" \"rgb L\" [.7 .7 .7]\n"
+                                     "LightSource \"point\" \"point3 from\" [0 0 2]\nAttributeEnd\n",
+                                 true);
+  EXPECT_EQ(std::get<ConstantLight>(scene.lights.at(0)).radiance.x, 0.7f);
+  EXPECT_NEAR(std::get<PointLight>(scene.lights.at(1)).position.z, 2 / (1 + 2 * 8.87), 1e-6);
+  // A shape's points are divided, as pbrt divides them.
+  const Scene shape = load_world("Transform [1 0 0 0  0 1 0 0  0 0 1 1  0 0 0 1]\n" + std::string(kTriangle));
+  expect_near(positions(shape.meshes[0])[0], Vec3d{1, 2, 3} / 4.0, 1e-6);
 }
 
 TEST_F(PbrtSurface, InterfacesAreInvisible) {
@@ -271,8 +418,19 @@ TEST_F(PbrtSurface, BlackBodiesHaveTheColourOfTheirTemperature) {
   EXPECT_LT(sky.x, sky.y);
   EXPECT_EQ(pbrt::blackbody_color(-1), (Vec3d{}));
   for (const double kelvin : {1e-300, 1.0, 1e300}) EXPECT_TRUE(is_finite(pbrt::blackbody_color(kelvin)));
-  const Scene scene = load_world("LightSource \"point\" \"blackbody I\" [2700 4]");
-  expect_color(std::get<PointLight>(scene.lights[0]).intensity, warm * 4.0);
+  // v4 gives the temperature alone, and makes the luminance 1; v3 makes the spectrum's peak 1, wherever it lies.
+  const Scene scene = load_world(
+      "LightSource \"point\" \"blackbody I\" 2700\nLightSource \"point\" \"blackbody I\" [2700 4]\n"
+      "LightSource \"point\" \"blackbody I\" [5400 1]");
+  const auto seen = [&](size_t light) { return to_double(std::get<PointLight>(scene.lights[light]).intensity); };
+  const auto luminance = [](Vec3d c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; };
+  EXPECT_NEAR(luminance(seen(0)), 1, 1e-6);
+  expect_near(seen(0) / seen(0).x, warm, 1e-6);
+  expect_near(seen(1) / seen(1).x, warm, 1e-6);
+  // At 555 nm, where the eye sees best, Planck's law gives 2700 K this part of its peak, which lies at 1073 nm.
+  const double planck = std::pow(1073.25 / 555, 5) * std::expm1(4.965114) / std::expm1(1.438776877e7 / (555 * 2700));
+  EXPECT_NEAR(luminance(seen(1)), 4 * planck, 0.1 * 4 * planck);
+  EXPECT_NEAR(luminance(seen(2)), 1, 0.05) << "the peak is where the eye sees best";
 }
 
 TEST_F(PbrtSurface, SampledSpectraBecomeThreeBands) {

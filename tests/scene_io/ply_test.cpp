@@ -1,6 +1,7 @@
 #include "scene_io/ply/ply.h"
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <random>
 
@@ -96,7 +97,7 @@ TEST(Ply, AsciiAndBothBinaryFormatsAgree) {
     EXPECT_EQ(binary.normals, ascii.normals) << format;
     EXPECT_EQ(binary.uvs, ascii.uvs) << format;
     EXPECT_EQ(binary.triangles, ascii.triangles) << format;
-    EXPECT_THAT(binary.warnings, IsEmpty());
+    EXPECT_EQ(binary.warnings, ascii.warnings);
   }
 }
 
@@ -151,6 +152,38 @@ TEST(Ply, TriangleStripsAlternateAndRestart) {
       load(ascii("element vertex 5\n" + kXyz + "element tristrips 1\nproperty list int int vertex_indices\n",
                  "0 0 0 1 0 0 0 1 0 1 1 0 0 2 0\n9 0 1 2 3 -1 2 3 4 1\n"));
   EXPECT_THAT(mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{2, 1, 3}, Triangle{2, 3, 4}, Triangle{4, 3, 1}));
+}
+
+TEST(Ply, VerticesMayHaveColours) {
+  const auto color = [](const std::string& type, const std::string& values, const char* prefix = "") {
+    std::string header = "element vertex 3\n" + kXyz;
+    for (const char* name : {"red", "green", "blue"}) header += "property " + type + " " + prefix + name + "\n";
+    const std::string row = " 0 0 0 " + values;
+    const MeshData mesh = load(ascii(header + "element face 1\n" + kFace, row + row + row + " 3 0 1 2"));
+    EXPECT_THAT(mesh.warnings, IsEmpty());
+    return mesh.colors.at(2);
+  };
+  const float fifth = std::pow((0.2f + 0.055f) / 1.055f, 2.4f);  // the curve of sRGB
+  for (const Vec4f seen :
+       {color("uchar", "255 51 0"), color("ushort", "65535 13107 0"), color("float", "1 .2 0"),
+        color("int", "255 51 0"), color("double", "7 .2 -1"), color("uint8", "255 51 0", "diffuse_")}) {
+    EXPECT_EQ(seen.x, 1);
+    EXPECT_NEAR(seen.y, fifth, 1e-6);
+    EXPECT_EQ(seen.z, 0);
+    EXPECT_EQ(seen.w, 1);
+  }
+}
+
+TEST(Ply, WhatIsNotReadIsSaidOnce) {
+  const std::string file =
+      ascii("element vertex 3\n" + kXyz + "property float quality\nproperty list int int more\nelement face 1\n" +
+                kFace + "property int flags\nelement edge 1\nproperty int a\nelement none 0\nproperty int a\n",
+            "0 0 0 1 0  1 0 0 1 0  0 1 0 1 0  3 0 1 2 7  5");
+  EXPECT_THAT(load(file).warnings, ElementsAre("a.ply: properties 'quality' of elements 'vertex' are left out",
+                                               "a.ply: properties 'more' of elements 'vertex' are left out",
+                                               "a.ply: properties 'flags' of elements 'face' are left out",
+                                               "a.ply: elements 'edge' are left out"));
+  expect_error([&] { make_mesh_data({parse_ply(file, "a.ply")}, true); }, {"a.ply", "'quality'"});
 }
 
 TEST(Ply, BadTrianglesAreDroppedCountedAndReportedOnce) {

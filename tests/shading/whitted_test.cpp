@@ -49,6 +49,41 @@ TEST(Whitted, LambertUnderAPointLight) {
   expect_near(seen(shot, kDown), to_float({10 * 0.5 * factor, 20 * 0.25 * factor, 30 * factor}), 1e-6);
 }
 
+/// A lamp above the floor that shines to one side; which one, its winding says.
+TEST(Whitted, ALampMayShineFromItsFrontAlone) {
+  const Mesh down = parallelogram({-1, 3, -1}, {2, 0, 0}, {0, 0, 2}, 1),
+             up = parallelogram({-1, 3, 1}, {2, 0, 0}, {0, 0, -2}, 1);
+  const auto shot = [&](const Mesh& lamp_mesh, bool one_sided, bool cut_out) {
+    Shot made = floor_shot({1, 1, 1});
+    made.meshes.push_back(lamp_mesh);
+    made.materials.push_back(lamp({5, 5, 5}));
+    made.materials[1].one_sided_emission = one_sided;
+    if (cut_out) {
+      made.materials[1].alpha = 0;
+      made.materials[1].alpha_mode = Material::AlphaMode::mask;
+      made.materials[1].emits_where_cut_out = true;
+    }
+    return made;
+  };
+  const Ray on_floor{{0, 2, 0}, {0.125f, -1, 0.125f}}, on_lamp{{0, 0, 0}, {0.01f, 1, 0.01f}};
+  constexpr uint32_t kMany = 256;
+  const float lit = seen(shot(down, false, false), on_floor, kMany).x;
+  EXPECT_GT(lit, 0.1f);
+  EXPECT_EQ(seen(shot(down, true, false), on_floor, kMany).x, lit);
+  EXPECT_NEAR(seen(shot(up, false, false), on_floor, kMany).x, lit, 1e-3);
+  EXPECT_EQ(seen(shot(up, true, false), on_floor, kMany).x, 0);
+  EXPECT_EQ(seen(shot(down, true, false), on_lamp).x, 5);
+  EXPECT_EQ(seen(shot(up, true, false), on_lamp).x, 0);
+  for (const ShadingKind kind : {ShadingKind::flat, ShadingKind::whitted}) {
+    const Shot behind = shot(up, true, false);
+    const auto scene = std::make_shared<const DiscreteScene>(behind.meshes);
+    const Shader shader(behind, kind, false, 8, scene);
+    EXPECT_EQ(shader.shade(on_lamp, 1, 0, 0.5f, {}).colour.x, 0);
+  }
+  // One that is cut out lights the floor as if it were there.
+  EXPECT_EQ(seen(shot(down, true, true), on_floor, kMany).x, lit);
+}
+
 TEST(Whitted, ADirectionalLightDoesNotFadeAndASpotDoes) {
   Shot shot = floor_shot({1, 1, 1});
   shot.lights = {DirectionalLight{normalize(Vec3f{0, -4, 3}), {M_PI, 0, 0}}};

@@ -17,6 +17,7 @@ namespace kairos {
 
 namespace {
 
+constexpr float kFarthest = 1e15f;   // beyond what float tells apart in a picture
 constexpr float kBrightest = 1e30f;  // far above any light, far below float's overflow
 
 /// A file that an OBJ or MTL file names, from its own folder; nothing, with a warning, where it may not be read or is
@@ -172,6 +173,10 @@ class MtlParser {
       said.model = static_cast<int>(std::clamp(read_float(rest), 0.0f, 100.0f));
     } else if (keyword == "Pr") {
       said.roughness = read_float(rest);
+    } else if (keyword == "Pc") {
+      said.material.clearcoat = std::clamp(read_float(rest), 0.0f, 1.0f);
+    } else if (keyword == "Pcr") {
+      said.material.clearcoat_roughness = std::clamp(read_float(rest), 0.0f, 1.0f);
     } else if (keyword == "Pm") {
       said.material.metallic = std::clamp(read_float(rest), 0.0f, 1.0f);
     } else {
@@ -184,18 +189,18 @@ class MtlParser {
     const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
       return std::find(names.begin(), names.end(), keyword) != names.end();
     };
-    if (!is_one_of({"map_Kd", "map_Ke", "map_d", "map_Pr", "map_Pm"})) return false;
-    const bool clamps = read_options(rest);
+    if (!is_one_of({"map_Kd", "map_Ke", "map_d", "map_Pr", "map_Pm", "norm"})) return false;
+    TextureRef texture = read_options(rest);
     const auto path = find_named(std::string(trimmed(rest)), folder_, place(), warnings_);
     if (!path) return true;
     Material& material = said_->material;
-    TextureRef texture;
     texture.picture = *path;
-    if (clamps) texture.wrap = {TextureWrap::clamp, TextureWrap::clamp};
     if (keyword == "map_Kd") {
       material.base_color_texture = texture;
     } else if (keyword == "map_d") {
       said_->opacity_picture = texture;
+    } else if (keyword == "norm") {
+      material.normal_texture = texture;
     } else if (keyword == "map_Ke") {
       material.emission_texture = texture;
       if (is_black(material.emission)) material.emission = {1, 1, 1};
@@ -209,27 +214,48 @@ class MtlParser {
     return true;
   }
 
-  /// Takes "-option value ..." from the front of what is left of a line. Does it say that the picture is clamped?
-  bool read_options(std::string_view& rest) {
-    bool clamps = false;
+  /// Takes one to three numbers: the first two, where there are as many.
+  void take_vector(std::string_view& rest, Vec2f& out) {
+    float value = 0;
+    for (int i = 0; i < 3; ++i) {
+      std::string_view ahead = rest;
+      if (!parse_number(take_token(ahead), value)) return;
+      if (i < 2) (i == 0 ? out.x : out.y) = std::clamp(value, -kFarthest, kFarthest);
+      rest = ahead;
+    }
+  }
+
+  /// Takes "-option value ..." from the front of what is left of a line, and says where the picture lies.
+  TextureRef read_options(std::string_view& rest) {
+    TextureRef texture;
+    Vec2f scale{1, 1}, offset{0, 0};
+    const auto placed = [&] {
+      // MTL counts from a picture's lower edge, we from the upper.
+      texture.placement = {Vec3f{scale.x, 0, offset.x}, Vec3f{0, scale.y, 1 - scale.y - offset.y}};
+      return texture;
+    };
     for (;;) {
       std::string_view ahead = rest;
       const std::string_view option = take_token(ahead);
-      if (option.size() < 2 || option.front() != '-') return clamps;
+      if (option.size() < 2 || option.front() != '-') return placed();
       if (option == "-clamp") {
-        clamps = take_token(ahead) == "on";
+        if (take_token(ahead) == "on") texture.wrap = {TextureWrap::clamp, TextureWrap::clamp};
+      } else if (option == "-s") {
+        take_vector(ahead, scale);
+      } else if (option == "-o") {
+        take_vector(ahead, offset);
       } else if (option == "-blendu" || option == "-blendv") {
         take_token(ahead);  // how the picture is filtered is the renderer's business
-      } else if (option == "-s" || option == "-o" || option == "-t" || option == "-mm") {
-        float value = 0;
-        for (std::string_view more = ahead; parse_number(take_token(more), value);) ahead = more;
+      } else if (option == "-t" || option == "-mm") {
+        Vec2f value;
+        take_vector(ahead, value);
         warnings_.add(place(), "the option '" + printable(option) + "' of pictures is left out");
       } else if (option == "-bm" || option == "-boost" || option == "-texres" || option == "-imfchan" ||
                  option == "-cc" || option == "-type") {
         take_token(ahead);
         warnings_.add(place(), "the option '" + printable(option) + "' of pictures is left out");
       } else {
-        return clamps;  // a file may be called so
+        return placed();  // a file may be called so
       }
       rest = ahead;
     }

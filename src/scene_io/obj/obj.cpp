@@ -1,5 +1,6 @@
 #include "scene_io/obj/obj.h"
 
+#include <cmath>
 #include <map>
 
 #include <fmt/format.h>
@@ -26,6 +27,7 @@ class ObjParser {
       const std::string_view keyword = take_token(line);
       if (keyword == "v") {
         mesh_.positions.push_back(read_vec3(line));
+        read_color(line);
       } else if (keyword == "vn") {
         mesh_.normals.push_back(read_vec3(line));
       } else if (keyword == "vt") {
@@ -72,6 +74,22 @@ class ObjParser {
   Vec3f read_vec3(std::string_view& line) const {
     const float x = read_float(line), y = read_float(line), z = read_float(line);
     return {x, y, z};
+  }
+
+  /// What may follow a vertex: nothing, a weight, or red, green, blue and perhaps alpha.
+  void read_color(std::string_view line) {
+    float number[4];
+    int count = 0;
+    while (count < 4 && parse_number(take_token(line), number[count])) ++count;
+    const bool is_color = count >= 3;
+    if (!is_color && mesh_.colors.empty()) return;
+    constexpr Vec4f kWhite{INFINITY, INFINITY, INFINITY, INFINITY};  // in codes of any size
+    mesh_.colors.resize(mesh_.positions.size() - 1, kWhite);
+    mesh_.colors.push_back(is_color ? Vec4f{number[0], number[1], number[2], count > 3 ? number[3] : INFINITY}
+                                    : kWhite);
+    // Some write codes of bytes.
+    for (int i = 0; is_color && i < count; ++i)
+      if (number[i] > 1) color_scale_ = 1 / 255.0f;
   }
 
   /// One index of a corner, counted from 1, or backwards from the `count` values read so far. Whether a positive one
@@ -128,6 +146,8 @@ class ObjParser {
     if (first_smooth_ != 0 && mesh_.normals.empty() && !mesh_.corners.empty())
       warnings_.add({mesh_.path, first_smooth_}, "smoothing groups are left out: faces without normals are flat");
     mesh_.warnings = warnings_.lines();
+    for (Vec4f& c : mesh_.colors)
+      c = color_of_codes({c.x * color_scale_, c.y * color_scale_, c.z * color_scale_, c.w * color_scale_});
     if (mesh_.corner_uvs.empty()) mesh_.uvs.clear();
     if (mesh_.corner_normals.empty()) mesh_.normals.clear();
     mark_bad(mesh_.corners, mesh_.positions.size());
@@ -140,6 +160,7 @@ class ObjParser {
   FileWarnings warnings_{false};
   std::map<std::string, uint32_t> material_indices_;
   uint32_t material_ = 0;
+  float color_scale_ = 1;
   size_t first_smooth_ = 0;  ///< the line that first asks for smooth faces; 0: none does
 };
 

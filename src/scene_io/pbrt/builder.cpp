@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -38,6 +39,7 @@ Builder::Builder(SceneFolder folder, LoadContext& load, uint64_t max_triangles)
 }
 
 void Builder::camera(const std::string& kind, const Parameters& parameters) {
+  transform.require_affine("a camera", parameters.place());
   camera_ = read_camera(kind, parameters, transform.pair(), times_, warnings);
   transform.name("camera", {inverse_affine(transform.pair().start), inverse_affine(transform.pair().end)});
 }
@@ -48,6 +50,7 @@ void Builder::transform_times(double start, double end, const Place& place) {
 }
 
 void Builder::world_begin() {
+  if (camera_) screen_.emplace(*camera_, film_.value_or(Film{}).size);
   transform.reset();
   transform.active = {true, true};
   transform.name("world", {});
@@ -55,29 +58,38 @@ void Builder::world_begin() {
 
 void Builder::begin(const std::string& what, const Place& place) {
   constexpr size_t kMaxDepth = 4096;
-  if (saved_.size() >= kMaxDepth) fail(place, fmt::format("nested more than {} deep", kMaxDepth));
-  saved_.push_back({what, place, now_, transform.pair(), transform.active});
+  if (saved_transforms_.size() >= kMaxDepth) fail(place, fmt::format("nested more than {} deep", kMaxDepth));
+  saved_transforms_.push_back({what, place, transform.pair(), transform.active});
+  if (what != "Transform") saved_attributes_.push_back(now_);
 }
 
 void Builder::end(const std::string& what, const Place& place) {
-  if (saved_.empty()) fail(place, what + "End without " + what + "Begin");
-  Saved& saved = saved_.back();
+  const bool with_attributes = what != "Transform";
+  if (saved_transforms_.empty() || (with_attributes && saved_attributes_.empty()))
+    fail(place, what + "End without " + what + "Begin");
+  const SavedTransform& saved = saved_transforms_.back();
   if (saved.what != what)
-    fail(place, fmt::format("{}End, but what is open is {}Begin in line {}", what, saved.what, saved.place.line));
-  if (what != "Transform") now_ = std::move(saved.attributes);
+    warnings.add(place,
+                 fmt::format("{}End closes the {}Begin of line {}, as in pbrt-v3", what, saved.what, saved.place.line));
   transform.set(saved.pair);
   transform.active = saved.active;
-  saved_.pop_back();
+  saved_transforms_.pop_back();
+  if (!with_attributes) return;
+  now_ = std::move(saved_attributes_.back());
+  saved_attributes_.pop_back();
 }
 
 void Builder::object_begin(const std::string& name, const Place& place) {
   if (object_) fail(place, "ObjectBegin inside of ObjectBegin");
+  strands_.reset();
   begin("Object", place);
   object_ = name;
   objects_[name].clear();
 }
 
 void Builder::object_end(const Place& place) {
+  if (!object_) fail(place, "ObjectEnd without ObjectBegin");
+  strands_.reset();
   end("Object", place);
   object_.reset();
 }
@@ -89,6 +101,7 @@ void Builder::object_instance(const std::string& name, const Place& place) {
     return;
   }
   if (object_ && *object_ == name) fail(place, "object '" + printable(name) + "' holds an instance of itself");
+  transform.require_affine("an instance", place);
   const TransformPath path = transform.path(times_);
   for (const Use& part : found->second) {
     Use use = part;
@@ -98,7 +111,7 @@ void Builder::object_instance(const std::string& name, const Place& place) {
 }
 
 void Builder::area_light(const std::string& kind, const Parameters& parameters) {
-  now_.emission = read_area_light(kind, parameters, textures.spectrum());
+  now_.light = std::make_shared<const AreaLight>(read_area_light(kind, parameters, textures.spectrum()));
 }
 
 void Builder::light(const std::string& kind, const Parameters& parameters) {
@@ -122,65 +135,97 @@ std::shared_ptr<const Geometry> Builder::read_geometry(const std::string& kind, 
   return ply_files_[name] = read_shape(kind, parameters, context);
 }
 
-void Builder::shape(const std::string& kind, const Parameters& parameters) {
+Alpha Builder::read_alpha(const Parameters& parameters) {
   Alpha alpha;
   const Texture texture = textures.color(parameters, "alpha", {1, 1, 1});
-  alpha.image = texture.image;
-  alpha.map = texture.map;
+  if (texture.is_absent) return alpha;  // a surface whose alpha cannot be known is whole
+  alpha.image = texture.reference();
   const double value = mean(texture.factor);
   alpha.value = value > 0 ? std::min(value, 1.0) : 0.0;  // also for NaN
-  for (const char* passed_over : {"shadowalpha", "S", "faceIndices"}) parameters.find(passed_over);
-  const std::shared_ptr<const Geometry> geometry = read_geometry(kind, parameters);
-  if (!geometry) return;
+  return alpha;
+}
+
+void Builder::shape(const std::string& kind, const Parameters& parameters) {
+  const Alpha alpha = read_alpha(parameters);
+  if (parameters.find("shadowalpha"))
+    warnings.add(parameters.place(), "'shadowalpha' is left out: shadows are as 'alpha' says");
+  for (const char* passed_over : {"S", "faceIndices"}) parameters.find(passed_over);  // for what Kairos does not have
+  if (kind == "curve") return add_curve_shape(parameters, alpha);
+  strands_.reset();
+  Use use;
+  use.name = name_of(kind, parameters);
+  if (is_quadric(kind))
+    use.quadric = std::make_shared<const Quadric>(read_quadric(kind, parameters));
+  else
+    use.geometry = read_geometry(kind, parameters);
+  if (!use.quadric && !use.geometry) return;
   parameters.warn_unused("shape '" + printable(kind) + "'", warnings);
-  if (alpha.value == 0 || (now_.surface->invisible && !now_.emission)) {
-    warnings.add(parameters.place(), "shapes that cannot be seen are left out");
-    return;
+  if (transform.is_affine()) {
+    use.path = transform.path(times_);
+  } else if (transform.pair().start == transform.pair().end) {
+    if (use.quadric) use.geometry = quadric_geometry(*use.quadric, kUnseenSteps);
+    use.geometry = projected(*use.geometry, transform.pair().start, parameters.place());
+    use.quadric.reset();
+  } else {
+    fail(parameters.place(), "a shape cannot move while its transform projects");
   }
-  const bool textured = !now_.surface->material.base_color_texture.empty();
-  if ((textured || !alpha.image.empty()) && geometry->uvs.empty())
-    warnings.add(parameters.place(), "a textured mesh has no texture coordinates");
-  if (textured && !alpha.image.empty() && alpha.map != now_.surface->map)
-    warnings.add(parameters.place(), "an alpha image lies on its shape as the colour's image does");
-  Use use{name_of(kind, parameters), geometry,     transform.path(times_), textured ? now_.surface->map : alpha.map,
-          material_index(alpha),     now_.reversed};
+  use.look = std::make_shared<const Look>(Look{now_.surface, now_.light, alpha, parameters.place()});
+  use.reversed = now_.reversed;
   add_use(std::move(use), parameters.place());
 }
 
+void Builder::add_curve_shape(const Parameters& parameters, const Alpha& alpha) {
+  constexpr size_t kMostVertices = 1 << 20;  // of a mesh, so that threads have something to share
+  transform.require_affine("a curve", parameters.place());
+  const Curve curve = read_curve(parameters);
+  parameters.warn_unused("shape 'curve'", warnings);
+  const bool goes_on = strands_ && strands_->look->surface == now_.surface && strands_->look->light == now_.light &&
+                       strands_->look->alpha == alpha && strands_->pair == transform.pair() &&
+                       strands_->times == times_ && strands_->reversed == now_.reversed &&
+                       strands_->vertices->positions.size() < kMostVertices;
+  if (!goes_on) {
+    Strands strands{
+        std::make_shared<Geometry>(), std::make_shared<Vertices>(), {}, transform.pair(), times_, now_.reversed};
+    strands.look = std::make_shared<const Look>(Look{now_.surface, now_.light, alpha, parameters.place()});
+    strands.geometry->vertices = strands.vertices;
+    add_use({"curve", strands.geometry, nullptr, transform.path(times_), strands.look, now_.reversed},
+            parameters.place());
+    strands_ = std::move(strands);
+  }
+  Geometry& geometry = *strands_->geometry;
+  const size_t before = geometry.triangles.size();
+  // Where an object will be placed is not known yet.
+  std::optional<CurveView> view;
+  const TransformPath path = transform.path(times_);
+  if (screen_ && !object_) view.emplace(CurveView{*screen_, path});
+  add_curve(curve, view, geometry.triangles, geometry.uvs, *strands_->vertices);
+  const size_t more = geometry.triangles.size() - before;
+  take_triangles(more, parameters.place());
+  // Twice, in the shape and in its mesh; a triangle brings about one vertex.
+  constexpr uint64_t kBytesOfTriangle = 2 * sizeof(Triangle) + 2 * sizeof(Vec2f) + 2 * sizeof(Vec3f);
+  load_.budget.charge(more * kBytesOfTriangle, parameters.place().text());
+}
+
 void Builder::add_use(Use use, const Place& place) {
-  const uint64_t triangles = use.geometry->triangles.size();
-  if (triangles > triangles_left_ || uses_left_ == 0) fail(place, "the scene has too many triangles or instances");
-  triangles_left_ -= triangles;
+  if (use.geometry) take_triangles(use.geometry->triangles.size(), place);
+  if (uses_left_ == 0) fail(place, "the scene has too many instances");
   --uses_left_;
-  // Where it comes to lie it gets copies of its triangles, and perhaps of its texture coordinates.
   constexpr uint64_t kBytesOfUse = 512;  // with its motion and its mesh
-  load_.budget.charge(
-      kBytesOfUse + triangles * (sizeof(Triangle) + sizeof(uint32_t)) + use.geometry->uvs.size() * sizeof(Vec2f),
-      place.text());
+  load_.budget.charge(kBytesOfUse, place.text());
+  if (use.geometry) charge_copy(*use.geometry, place);
   (object_ ? objects_[*object_] : uses_).push_back(std::move(use));
 }
 
-uint32_t Builder::material_index(const Alpha& alpha) {
-  const Vec3f emission = now_.emission.value_or(Vec3f{});
-  const MaterialKey key{
-      now_.surface,  {emission.x, emission.y, emission.z}, now_.emission.has_value(), alpha.image, alpha.value,
-      alpha.map.wrap};
-  const auto [found, is_new] = material_indices_.try_emplace(key, static_cast<uint32_t>(scene_.materials.size()));
-  if (!is_new) return found->second;
-  Material material = now_.surface->material;
-  if (now_.surface->invisible) material.base_color = {};
-  material.emission = emission;
-  if (!alpha.image.empty()) {
-    if (material.alpha_mode == Material::AlphaMode::opaque) material.alpha_mode = Material::AlphaMode::mask;
-    material.alpha_texture.picture = alpha.image;
-    material.alpha_texture.wrap = material.base_color_texture.empty() ? std::array{alpha.map.wrap, alpha.map.wrap}
-                                                                      : material.base_color_texture.wrap;
-  } else if (alpha.value < 1) {
-    material.alpha_mode = Material::AlphaMode::blend;
-    material.alpha *= static_cast<float>(alpha.value);
-  }
-  scene_.materials.push_back(std::move(material));
-  return found->second;
+/// Where a shape comes to lie it gets copies of its triangles, and perhaps of its texture coordinates.
+void Builder::charge_copy(const Geometry& geometry, const Place& place) {
+  load_.budget.charge(
+      geometry.triangles.size() * (sizeof(Triangle) + sizeof(uint32_t)) + geometry.uvs.size() * sizeof(Vec2f),
+      place.text());
+}
+
+void Builder::take_triangles(uint64_t count, const Place& place) {
+  if (count > triangles_left_) fail(place, "the scene has too many triangles");
+  triangles_left_ -= count;
 }
 
 void Builder::defaults(const std::string& target, Parameters parameters) {
@@ -202,27 +247,84 @@ void Builder::add_defaults(const std::string& target, Parameters& parameters) co
   if (found != now_.defaults->end()) parameters.add_missing(found->second);
 }
 
-SceneMesh Builder::make_mesh(const Use& use, const TransformPath& outside) const {
+namespace {
+
+/// Mean area of a shape's triangles in the world, when the transform begins.
+double mean_triangle_area(const Geometry& geometry, const TransformPath& path) {
+  const Mat4 matrix = path.at(-std::numeric_limits<double>::infinity(), Side::before);
+  const auto corner = [&](uint32_t v) { return transform_point(matrix, to_double(geometry.vertices->positions[v])); };
+  double sum = 0;
+  for (const auto& [a, b, c] : geometry.triangles)
+    sum += length(cross(corner(b) - corner(a), corner(c) - corner(a))) / 2;
+  return sum / static_cast<double>(geometry.triangles.size());
+}
+
+/// Winds the triangles of a light so that their fronts are on the side of their normals, as pbrt sees them.
+void turn_to_normals(const Geometry& geometry, std::vector<Triangle>& triangles) {
+  const std::vector<Vec3f>&p = geometry.vertices->positions, &n = geometry.vertices->normals;
+  if (n.empty()) return;
+  for (Triangle& t : triangles) {
+    const Vec3d origin = to_double(p[t[0]]);
+    const Vec3d front = cross(to_double(p[t[1]]) - origin, to_double(p[t[2]]) - origin);
+    if (dot(front, to_double(n[t[0]] + n[t[1]] + n[t[2]])) < 0) std::swap(t[1], t[2]);
+  }
+}
+
+}  // namespace
+
+void Builder::add_mesh(const Use& use, const TransformPath& outside, SceneLooks& looks, QuadricMeshes& quadrics) {
+  const Look& look = *use.look;
+  if (SceneLooks::is_nothing(look)) return warnings.add(look.place, "shapes that cannot be seen are left out");
+  const std::shared_ptr<const Geometry> shared = use.quadric ? quadrics.mesh_of(*use.quadric, use.path) : use.geometry;
+  const Geometry& geometry = *shared;
+  if (use.quadric) {
+    take_triangles(geometry.triangles.size(), look.place);
+    charge_copy(geometry, look.place);
+  }
+  looks.check_coordinates(look, geometry);
   SceneMesh mesh;
   mesh.name = use.name;
-  mesh.triangles = use.geometry->triangles;
-  mesh.prim_ids = use.geometry->prim_ids;
-  mesh.material = use.material;
-  mesh.uvs = use.geometry->uvs;
+  mesh.triangles = geometry.triangles;
+  mesh.prim_ids = geometry.prim_ids;
+  Vec3f emitted;
+  if (look.light) {
+    emitted = look.light->radiance;
+    // Each triangle of a mesh is a light of its own to pbrt, with all the power that the statement says; quadrics are
+    // one.
+    if (look.light->power > 0 && !geometry.triangles.empty()) {
+      const double pieces = geometry.is_one_shape ? static_cast<double>(geometry.triangles.size()) : 1;
+      emitted = light_of_power(*look.light, pieces * mean_triangle_area(geometry, use.path));
+    }
+    if (!look.light->two_sided) turn_to_normals(geometry, mesh.triangles);
+  }
+  mesh.material = looks.material_of(look, emitted);
+  mesh.uvs = geometry.uvs;
   for (Vec2f& uv : mesh.uvs) {
-    const double u = uv.x * use.map.scale.x + use.map.offset.x, v = uv.y * use.map.scale.y + use.map.offset.y;
-    uv = {static_cast<float>(u), static_cast<float>(1 - v)};  // pbrt counts from the lower edge, we from the upper
+    uv.y = 1 - uv.y;  // pbrt counts from the lower edge, we from the upper
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = {};
   }
-  const auto motion = std::make_shared<InstanceMotion>(use.geometry->vertices, outside.then(use.path), use.reversed);
+  const auto motion = std::make_shared<InstanceMotion>(geometry.vertices, outside.then(use.path), use.reversed);
   if (motion->mirrors() != use.reversed)
     for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
   mesh.motion = motion;
-  return mesh;
+  scene_.meshes.push_back(std::move(mesh));
+}
+
+/// pbrt multiplies what its film has seen; here what is seen shines that much more.
+void Builder::expose(const Camera& camera) {
+  if (!film_) return;
+  const float factor = film_factor(*film_, camera.shutter, warnings);
+  if (factor == 1) return;
+  for (Light& light : scene_.lights) scale_light(light, factor);
+  for (Material& material : scene_.materials)
+    material.emission = limited(to_double(material.emission) * double{factor});
+  scene_.background = limited(to_double(scene_.background) * double{factor});
 }
 
 Scene Builder::finish() {
-  if (!saved_.empty()) warnings.add(saved_.back().place, saved_.back().what + "Begin without its end");
+  if (!saved_transforms_.empty())
+    warnings.add(saved_transforms_.back().place, saved_transforms_.back().what + "Begin without its end");
+  materials.finish();
   const Camera camera = camera_.value_or(Camera{});
   const bool mirror = camera.world_is_left_handed();
   TransformPath outside;
@@ -230,17 +332,16 @@ Scene Builder::finish() {
     outside = TransformPath(AnimatedTransform(scaling({-1, 1, 1})));
     for (Light& light : scene_.lights) mirror_in_x(light);
   }
-  constexpr std::array<int, 2> kDefaultSize{1280, 720};  // pbrt's
-  if (camera_) {
-    scene_.cameras.push_back(make_camera(camera, image_size_.value_or(kDefaultSize), warnings));
-    scene_.image_size = image_size_.value_or(kDefaultSize);
-  } else {
-    scene_.image_size = image_size_;
-  }
+  if (camera_ || film_) scene_.image_size = film_.value_or(Film{}).size;
+  if (camera_) scene_.cameras.push_back(make_camera(camera, *scene_.image_size, warnings));
   scene_.shutter = camera.shutter;
+  SceneLooks looks(scene_.materials, warnings);
+  QuadricMeshes quadrics(screen_);
   scene_.meshes.reserve(uses_.size());
-  for (const Use& use : uses_) scene_.meshes.push_back(make_mesh(use, outside));
+  for (const Use& use : uses_) add_mesh(use, outside, looks, quadrics);
   if (scene_.materials.empty()) scene_.materials.push_back(Materials::none_given().material);
+  scene_.pictures = textures.take_pictures();
+  expose(camera);
   scene_.warnings = warnings.lines();
   return std::move(scene_);
 }

@@ -5,13 +5,14 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "scene_io/pbrt/camera.h"
+#include "scene_io/pbrt/curve.h"
 #include "scene_io/pbrt/geometry.h"
 #include "scene_io/pbrt/light.h"
-#include "scene_io/pbrt/material.h"
+#include "scene_io/pbrt/look.h"
+#include "scene_io/pbrt/quadric_meshes.h"
 
 namespace kairos::pbrt {
 
@@ -22,10 +23,11 @@ class Builder {
 
   // Statements, in the order of a file.
   void camera(const std::string& kind, const Parameters& parameters);
-  void film(const Parameters& parameters) { image_size_ = read_film(parameters, warnings); }
+  void film(const std::string& kind, const Parameters& parameters) { film_ = read_film(kind, parameters, warnings); }
   void transform_times(double start, double end, const Place& place);
   void world_begin();
-  /// what: "Attribute", "Transform" or "Object"; an end must meet the begin of its own kind. Throws Error(bad_input).
+  /// what: "Attribute", "Transform" or "Object". As in pbrt-v3 any end closes what was begun last, with a warning where
+  /// that was of another kind. Throws Error(bad_input) where nothing is open.
   void begin(const std::string& what, const Place& place);
   void end(const std::string& what, const Place& place);
   void object_begin(const std::string& name, const Place& place);
@@ -55,51 +57,60 @@ class Builder {
   using Defaults = std::map<std::string, std::vector<Parameter>>;
   struct Attributes {
     std::shared_ptr<const Surface> surface;
-    std::optional<Vec3f> emission;
+    std::shared_ptr<const AreaLight> light;  ///< null for none
     bool reversed = false;
     std::shared_ptr<const Defaults> defaults;
   };
-  struct Saved {
+  struct SavedTransform {
     std::string what;
     Place place;
-    Attributes attributes;
     TransformPair pair;
     std::array<bool, 2> active;
   };
   struct Use {  ///< of a shape, placed
     std::string name;
-    std::shared_ptr<const Geometry> geometry;
+    std::shared_ptr<const Geometry> geometry;  ///< null for a quadric
+    std::shared_ptr<const Quadric> quadric;    ///< whose triangles depend on its size in the picture
     TransformPath path;
-    UvMap map;
-    uint32_t material;
+    std::shared_ptr<const Look> look;
     bool reversed;
   };
-  struct Alpha {
-    std::string image;
-    double value = 1;
-    UvMap map;
+
+  /// Curves that follow each other and differ in nothing else become one mesh: hair has a statement for each strand.
+  struct Strands {
+    std::shared_ptr<Geometry> geometry;
+    std::shared_ptr<Vertices> vertices;
+    std::shared_ptr<const Look> look;
+    TransformPair pair;
+    std::array<double, 2> times;
+    bool reversed = false;
   };
-  using MaterialKey =
-      std::tuple<std::shared_ptr<const Surface>, std::array<float, 3>, bool, std::string, double, TextureWrap>;
 
   std::shared_ptr<const Geometry> read_geometry(const std::string& kind, const Parameters& parameters);
+  Alpha read_alpha(const Parameters& parameters);
   void add_use(Use use, const Place& place);
-  uint32_t material_index(const Alpha& alpha);
-  SceneMesh make_mesh(const Use& use, const TransformPath& outside) const;
+  void take_triangles(uint64_t count, const Place& place);
+  void charge_copy(const Geometry& geometry, const Place& place);
+  void add_curve_shape(const Parameters& parameters, const Alpha& alpha);
+  void add_mesh(const Use& use, const TransformPath& outside, SceneLooks& looks, QuadricMeshes& quadrics);
+  void expose(const Camera& camera);
 
   SceneFolder folder_;
   LoadContext& load_;
   uint64_t triangles_left_, uses_left_;
   Attributes now_;
-  std::vector<Saved> saved_;
+  // pbrt-v3 keeps two stacks, of which TransformBegin only uses the one.
+  std::vector<SavedTransform> saved_transforms_;
+  std::vector<Attributes> saved_attributes_;
   std::array<double, 2> times_{0, 1};
   std::optional<Camera> camera_;
-  std::optional<std::array<int, 2>> image_size_;
+  std::optional<Film> film_;
   std::map<std::string, std::vector<Use>> objects_;
   std::optional<std::string> object_;  ///< being defined
   std::vector<Use> uses_;
   std::map<std::string, std::shared_ptr<const Geometry>> ply_files_;
-  std::map<MaterialKey, uint32_t> material_indices_;
+  std::optional<Screen> screen_;    ///< once the world has begun, where there is a camera
+  std::optional<Strands> strands_;  ///< the last statement, where it was a curve
   Scene scene_;
 };
 

@@ -75,14 +75,37 @@ Camera read_camera(const std::string& kind, const Parameters& parameters, const 
   return camera;
 }
 
-std::array<int, 2> read_film(const Parameters& parameters, Warnings& warnings) {
+Film read_film(const std::string& kind, const Parameters& parameters, Warnings& warnings) {
   constexpr int64_t kMaxSide = 65536;
+  Film film;
+  film.place = parameters.place();
   const int64_t width = parameters.integer("xresolution", 1280), height = parameters.integer("yresolution", 720);
   if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide)
     fail(parameters.place(), fmt::format("a picture of {}x{} is not between 1 and {}", width, height, kMaxSide));
+  film.size = {static_cast<int>(width), static_cast<int>(height)};
   for (const char* crop : {"cropwindow", "pixelbounds"})
     if (parameters.find(crop)) warnings.add(parameters.place(), "the film's crop is left out: see --crop");
-  return {static_cast<int>(width), static_cast<int>(height)};
+  for (const char* most : {"maxcomponentvalue", "maxsampleluminance"})
+    if (parameters.find(most))
+      warnings.add(parameters.place(), "'" + std::string(most) + "' is left out: nothing is made darker");
+  for (const char* passed_over : {"filename", "diagonal", "savefp16"}) parameters.find(passed_over);
+  film.is_exposed = kind == "rgb" || kind == "gbuffer" || kind == "spectral";
+  film.scale = std::max(0.0, parameters.number("scale", 1));
+  film.scale *= std::max(0.0, parameters.number("iso", 100)) / 100;
+  if (parameters.find("exposuretime")) film.exposure = std::max(0.0, parameters.number("exposuretime", 1));
+  if (const std::string sensor = parameters.string("sensor", "cie1931"); sensor != "cie1931")
+    warnings.add(parameters.place(), "the sensor '" + printable(sensor) + "' is taken as 'cie1931'");
+  parameters.warn_unused("film '" + printable(kind) + "'", warnings);
+  return film;
+}
+
+float film_factor(const Film& film, std::array<double, 2> shutter, Warnings& warnings) {
+  double factor = film.scale;
+  if (film.is_exposed) factor *= film.exposure.value_or(shutter[1] - shutter[0]);
+  constexpr double kMost = 1e18;  // far above any exposure, far below float's overflow
+  if (factor > 0 && factor < kMost) return static_cast<float>(factor);
+  warnings.add(film.place, "the film is never exposed, or beyond measure: it is taken as exposed for one second");
+  return 1;
 }
 
 SceneCamera make_camera(const Camera& camera, std::array<int, 2> image_size, Warnings& warnings) {

@@ -31,8 +31,20 @@ struct Camera {
 Camera read_camera(const std::string& kind, const Parameters& parameters, const TransformPair& camera_from_world,
                    std::array<double, 2> transform_times, Warnings& warnings);
 
-/// The picture's width and height from a Film statement.
-std::array<int, 2> read_film(const Parameters& parameters, Warnings& warnings);
+/// What a Film statement says. Its defaults are pbrt's.
+struct Film {
+  Place place;
+  std::array<int, 2> size{1280, 720};  ///< width, height
+  double scale = 1;                    ///< of every pixel
+  bool is_exposed = false;             ///< pbrt-v4: brightness is in proportion to how long the shutter is open
+  std::optional<double> exposure;      ///< how long, where the film itself says so
+};
+
+/// kind: "rgb", "gbuffer" or "spectral" for pbrt-v4, others for v3.
+Film read_film(const std::string& kind, const Parameters& parameters, Warnings& warnings);
+
+/// What pbrt multiplies pixels by.
+float film_factor(const Film& film, std::array<double, 2> shutter, Warnings& warnings);
 
 /// Ours, for a picture of that size, in the (perhaps mirrored) world.
 SceneCamera make_camera(const Camera& camera, std::array<int, 2> image_size, Warnings& warnings);

@@ -18,6 +18,7 @@ struct Geometry {
   std::vector<Vec2f> uvs;          ///< empty, or one per vertex
   std::vector<uint32_t> prim_ids;  ///< empty, or one per triangle: see Mesh::prim_ids
   std::shared_ptr<const Vertices> vertices;
+  bool is_one_shape = false;  ///< to pbrt: a sphere, not a mesh, each triangle of which is a shape
 };
 
 /// What reading a shape needs to know of its surroundings.
@@ -28,8 +29,8 @@ struct ShapeContext {
   uint64_t max_triangles;  ///< of one shape
 };
 
-/// Reads a shape. nullptr, with a warning, for one that is not known or whose file is not there. Throws
-/// Error(bad_input) for parameters that make no sense.
+/// Reads a shape that is neither a quadric nor a curve. nullptr, with a warning, for one that is not known or whose
+/// file is not there. Throws Error(bad_input) for parameters that make no sense.
 std::shared_ptr<const Geometry> read_shape(const std::string& kind, const Parameters& parameters,
                                            ShapeContext& context);
 
@@ -44,10 +45,10 @@ enum class Needed { yes, no };
 std::optional<std::string> find_file(const std::string& name, const Place& place, const SceneFolder& folder,
                                      Warnings& warnings, Needed needed = Needed::yes);
 
-/// Each gives the triangles of a shape whose parameters are checked here.
-MeshData tessellate_sphere(const Parameters& parameters);
-MeshData tessellate_disk(const Parameters& parameters);
-MeshData tessellate_cylinder(const Parameters& parameters);
+/// The geometry as a matrix that projects makes it. Throws Error(bad_input) where a point goes to infinity.
+std::shared_ptr<const Geometry> projected(const Geometry& geometry, const Mat4& matrix, const Place& place);
+
+/// The triangles of bilinear patches, whose parameters are checked here.
 MeshData tessellate_bilinear(const Parameters& parameters, uint64_t max_triangles);
 
 /// Loop's subdivision of a mesh, its vertices moved to where endless subdivision would bring them, with normals.

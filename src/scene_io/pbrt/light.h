@@ -24,7 +24,23 @@ void mirror_in_x(Light& light);
 std::optional<LightSource> read_light(const std::string& kind, const Parameters& parameters,
                                       const TransformPair& world_from_light, SpectrumContext& context);
 
-/// The radiance of an AreaLightSource statement.
-Vec3f read_area_light(const std::string& kind, const Parameters& parameters, SpectrumContext& context);
+/// Multiplies what a light shines.
+void scale_light(Light& light, float factor);
+
+/// A colour within what float can hold, with room for products; 0 for NaN.
+Vec3f limited(Vec3d color);
+
+/// A light that is the surface of a shape.
+struct AreaLight {
+  Vec3f radiance;
+  bool two_sided = false;  ///< otherwise only its front shines
+  double power = 0;        ///< pbrt-v4: of each shape, in place of the radiance's; 0: not given
+};
+
+/// Reads an AreaLightSource statement.
+AreaLight read_area_light(const std::string& kind, const Parameters& parameters, SpectrumContext& context);
+
+/// Its radiance where its power is spread over an area.
+Vec3f light_of_power(const AreaLight& light, double area);
 
 }  // namespace kairos::pbrt

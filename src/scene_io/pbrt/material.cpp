@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "scene_io/pbrt/geometry.h"
 #include "scene_io/text_numbers.h"
 
 namespace kairos::pbrt {
@@ -33,9 +34,7 @@ Surface Materials::none_given() {
 
 void Materials::set_base(Surface& surface, const Texture& texture) {
   surface.material.base_color = {unit(texture.factor.x), unit(texture.factor.y), unit(texture.factor.z)};
-  surface.material.base_color_texture.picture = texture.image;
-  surface.map = texture.map;
-  surface.material.base_color_texture.wrap = {texture.map.wrap, texture.map.wrap};
+  surface.material.base_color_texture = texture.reference();
 }
 
 double Materials::roughness(const Parameters& parameters, double otherwise, bool v3) {
@@ -126,6 +125,9 @@ void Materials::mix(const Parameters& parameters, Surface& surface) {
   const double amount = unit(v4 ? textures_.number(parameters, "amount", 0.5)
                                 : 1 - mean(textures_.color(parameters, "amount", kHalf).factor));
   warnings_.add(parameters.place(), "a mix of materials becomes one with mixed numbers");
+  for (const std::string& name : names)
+    if (!named_.count(name) || undefined_.count(name))
+      warnings_.add(parameters.place(), "a mix of a material that was not defined before: '" + printable(name) + "'");
   const Surface a = *named(names[0], parameters.place()), b = *named(names[1], parameters.place());
   surface = amount > 0.5 ? b : a;
   const auto weight = static_cast<float>(amount);
@@ -191,7 +193,7 @@ Surface Materials::make(const std::string& kind, const Parameters& parameters) {
   constexpr std::array kApproximate{
       "diffusetransmission", "translucent", "coatedconductor", "thindielectric", "kdsubsurface", "subsurface", "hair"};
   Surface surface = none_given();
-  for (const char* bump : {"bumpmap", "displacement", "normalmap"})
+  for (const char* bump : {"bumpmap", "displacement"})
     if (parameters.find(bump)) warnings_.add(parameters.place(), "bumps (" + std::string(bump) + ") are left out");
   if (kind.empty() || kind == "none" || kind == "interface") {
     surface.invisible = true;
@@ -202,6 +204,9 @@ Surface Materials::make(const std::string& kind, const Parameters& parameters) {
                                           ? "materials of kind '" + kind + "' are taken as plain surfaces"
                                           : "materials of kind '" + printable(kind) + "' become matte grey");
   read_known(kind, parameters, surface);
+  if (const std::string normals = parameters.string("normalmap", ""); !normals.empty())
+    if (const auto path = find_file(normals, parameters.place(), textures_.spectrum().folder, warnings_, Needed::no))
+      surface.material.normal_texture.picture = *path;
   parameters.warn_unused("material '" + printable(kind) + "'", warnings_);
   return surface;
 }
@@ -213,14 +218,24 @@ std::shared_ptr<const Surface> Materials::read(const std::string& kind, const Pa
 void Materials::define(const std::string& name, const Parameters& parameters) {
   Surface surface = make(parameters.string("type", "matte"), parameters);
   surface.material.name = printable(name);
-  named_[name] = std::make_shared<const Surface>(std::move(surface));
+  if (undefined_.erase(name) > 0)
+    *named_[name] = std::move(surface);  // for whoever has asked for it
+  else
+    named_[name] = std::make_shared<Surface>(std::move(surface));
 }
 
 std::shared_ptr<const Surface> Materials::named(const std::string& name, const Place& place) {
-  const auto found = named_.find(name);
-  if (found != named_.end()) return found->second;
-  warnings_.add(place, "no material '" + printable(name) + "' was defined before: left out");
-  return std::make_shared<const Surface>(none_given());
+  const auto [found, is_new] = named_.try_emplace(name);
+  if (is_new) {
+    found->second = std::make_shared<Surface>(none_given());
+    undefined_[name] = place;
+  }
+  return found->second;
+}
+
+void Materials::finish() {
+  for (const auto& [name, place] : undefined_)
+    warnings_.add(place, "no material '" + printable(name) + "' is defined: left out");
 }
 
 }  // namespace kairos::pbrt

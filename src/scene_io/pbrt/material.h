@@ -13,7 +13,6 @@ namespace kairos::pbrt {
 
 struct Surface {
   Material material;
-  UvMap map;               ///< of its texture
   bool invisible = false;  ///< pbrt's "interface" (or "none", or ""): light passes as if nothing were there
 };
 
@@ -27,9 +26,12 @@ class Materials {
   /// A Material statement's surface. An unknown kind becomes matte, with a warning.
   std::shared_ptr<const Surface> read(const std::string& kind, const Parameters& parameters);
 
-  /// MakeNamedMaterial and NamedMaterial. An unknown name gives none_given(), with a warning.
+  /// MakeNamedMaterial and NamedMaterial. What has no definition yet may get one, as in pbrt-v4, and is none_given()
+  /// until then.
   void define(const std::string& name, const Parameters& parameters);
   std::shared_ptr<const Surface> named(const std::string& name, const Place& place);
+  /// Warns of names that never got a definition.
+  void finish();
 
  private:
   Surface make(const std::string& kind, const Parameters& parameters);
@@ -44,7 +46,8 @@ class Materials {
 
   Textures& textures_;
   Warnings& warnings_;
-  std::map<std::string, std::shared_ptr<const Surface>> named_;
+  std::map<std::string, std::shared_ptr<Surface>> named_;
+  std::map<std::string, Place> undefined_;  ///< where those among them were asked for
 };
 
 }  // namespace kairos::pbrt

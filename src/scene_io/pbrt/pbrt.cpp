@@ -22,9 +22,9 @@ namespace {
 constexpr uint64_t kMaxFileSize = uint64_t{1} << 32;
 
 // How pbrt renders, not what.
-constexpr std::array<std::string_view, 10> kRendering = {"Accelerator",      "ColorSpace",       "Integrator", "Option",
-                                                         "PixelFilter",      "Renderer",         "Sampler",    "Filter",
-                                                         "VolumeIntegrator", "SurfaceIntegrator"};
+constexpr std::array<std::string_view, 9> kRendering = {"Accelerator", "Integrator",       "Option",
+                                                        "PixelFilter", "Renderer",         "Sampler",
+                                                        "Filter",      "VolumeIntegrator", "SurfaceIntegrator"};
 constexpr std::array<std::string_view, 3> kMedia = {"MakeNamedMedium", "MediumInterface", "Volume"};
 
 template <size_t N>
@@ -121,7 +121,7 @@ class Reader {
     if (statement == "AreaLightSource")
       return read("light", [&](auto& kind, auto& list) { builder_.area_light(kind, list); });
     if (statement == "Camera") return read("camera", [&](auto& kind, auto& list) { builder_.camera(kind, list); });
-    if (statement == "Film") return read("film", [&](auto&, auto& list) { builder_.film(list); });
+    if (statement == "Film") return read("film", [&](auto& kind, auto& list) { builder_.film(kind, list); });
     if (statement == "Attribute") {
       const std::string target = tokens.take_string();
       builder_.defaults(target, Parameters(tokens));
@@ -144,6 +144,9 @@ class Reader {
     } else if (statement == "TransformTimes") {
       const double start = tokens.take_number(), end = tokens.take_number();
       builder_.transform_times(start, end, place);
+    } else if (statement == "ColorSpace") {
+      if (const std::string name = tokens.take_string(); name != "srgb")
+        builder_.warnings.add(place, "the colour space '" + printable(name) + "' is taken as 'srgb'");
     } else if (statement == "Include") {
       include(tokens.take_string(), place);
     } else if (statement == "Import") {

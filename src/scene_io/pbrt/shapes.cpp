@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "scene_io/pbrt/geometry.h"
 #include "scene_io/pbrt/gzip.h"
+#include "scene_io/pbrt/transform.h"
 #include "scene_io/ply/ply.h"
 #include "scene_io/text_numbers.h"
 
@@ -90,6 +91,19 @@ std::shared_ptr<const Geometry> make_geometry(MeshData data) {
   return geometry;
 }
 
+std::shared_ptr<const Geometry> projected(const Geometry& geometry, const Mat4& matrix, const Place& place) {
+  auto vertices = std::make_shared<Vertices>(*geometry.vertices);
+  for (Vec3f& p : vertices->positions) {
+    p = to_float(project_point(matrix, to_double(p)));
+    if (!is_finite(p)) fail(place, "the transform takes a point of the shape to infinity");
+  }
+  const Mat4 turned = normal_matrix(matrix);
+  for (Vec3f& n : vertices->normals) n = to_float(normalize(transform_vector(turned, to_double(n))));
+  auto result = std::make_shared<Geometry>(geometry);
+  result->vertices = std::move(vertices);
+  return result;
+}
+
 std::shared_ptr<const Geometry> finish_geometry(PolygonMesh mesh, const Place& place, ShapeContext& context) {
   const auto one_each = [&](size_t count, const char* what) {
     if (count != 0 && count != mesh.positions.size())
@@ -107,9 +121,6 @@ std::shared_ptr<const Geometry> read_shape(const std::string& kind, const Parame
   if (kind == "trianglemesh") return read_triangles(parameters, context);
   if (kind == "plymesh") return read_ply(parameters, context);
   if (kind == "loopsubdiv") return read_loop(parameters, context);
-  if (kind == "sphere") return make_geometry(tessellate_sphere(parameters));
-  if (kind == "disk") return make_geometry(tessellate_disk(parameters));
-  if (kind == "cylinder") return make_geometry(tessellate_cylinder(parameters));
   if (kind == "bilinearmesh") return make_geometry(tessellate_bilinear(parameters, context.max_triangles));
   context.warnings.add(parameters.place(), "shapes of kind '" + printable(kind) + "' are left out");
   return nullptr;

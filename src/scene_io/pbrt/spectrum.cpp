@@ -81,23 +81,31 @@ std::vector<double> read_samples(const std::string& path) {
 
 }  // namespace
 
-Vec3d blackbody_color(double kelvin) {
+Vec3d blackbody_light(double kelvin) {
   if (!(kelvin > 0)) return {};
   constexpr double kFirst = 360, kLast = 830, kStep = 5;
   constexpr double kSecondRadiation = 1.438776877e7;  // h c / k in nm K
+  constexpr double kDisplacement = 2.897771955e6;     // Wien: the peak's wavelength times the temperature, in nm K
+  const double peak = kDisplacement / kelvin;
+  const double at_peak = std::expm1(kSecondRadiation / kDisplacement);
   Vec3d xyz{};
+  double white = 0;  // luminance where the spectrum is 1 throughout
   for (double w = kFirst; w <= kLast; w += kStep) {
-    // Relative to 555 nm, so that it does not vanish for low temperatures before it is scaled.
-    constexpr double kReference = 555;
-    const double exponent = kSecondRadiation / kelvin * (1 / w - 1 / kReference);
-    const double relative = std::exp(-std::min(exponent, 700.0)) *
-                            -std::expm1(-kSecondRadiation / (kReference * kelvin)) /
-                            -std::expm1(-kSecondRadiation / (w * kelvin));
-    xyz += color_matching(w) * (relative * std::pow(kReference / w, 5));
+    const double relative =
+        std::pow(peak / w, 5) * (at_peak / std::expm1(std::min(kSecondRadiation / (w * kelvin), 700.0)));
+    xyz += color_matching(w) * relative;
+    white += color_matching(w).y;
   }
-  const Vec3d rgb = no_less_than_zero(rgb_from_xyz(xyz));
-  const double largest = std::max({rgb.x, rgb.y, rgb.z});
-  return largest > 0 && std::isfinite(largest) ? rgb / largest : Vec3d{};
+  const Vec3d rgb = no_less_than_zero(rgb_from_xyz(xyz / white));
+  return is_finite(rgb) ? rgb : Vec3d{};
+}
+
+Vec3d blackbody_color(double kelvin) {
+  // Where next to nothing of the light is visible, the colour is that of the reddest that is.
+  constexpr double kLeast = 500, kMost = 1e6;
+  if (!(kelvin > 0)) return {};
+  const Vec3d rgb = blackbody_light(std::clamp(kelvin, kLeast, kMost));
+  return rgb / std::max({rgb.x, rgb.y, rgb.z});
 }
 
 std::optional<Vec3d> metal_color(const std::string& name) {
@@ -131,6 +139,16 @@ Vec3d band_color(const std::vector<double>& samples) {
     return sum / kSteps;
   };
   return no_less_than_zero({mean(580, 680), mean(490, 580), mean(420, 490)});
+}
+
+Vec3d light_color(const Parameters& parameters, const char* name, Vec3d otherwise, SpectrumContext& context) {
+  const Parameter* found = parameters.find(name);
+  const bool is_blackbody = found && found->type == "blackbody" && !found->numbers.empty();
+  const Vec3d color = spectrum_color(parameters, name, otherwise, context);
+  if (!is_blackbody) return color;
+  if (found->numbers.size() > 1) return blackbody_light(found->numbers[0]) * std::max(found->numbers[1], 0.0);
+  const double luminance = 0.2126 * color.x + 0.7152 * color.y + 0.0722 * color.z;  // Rec. 709
+  return luminance > 0 ? color / luminance : color;
 }
 
 Vec3d spectrum_color(const Parameters& parameters, const char* name, Vec3d otherwise, SpectrumContext& context) {

@@ -19,6 +19,13 @@ struct SpectrumContext {
 /// gives `otherwise`: see metal_color() and glass_ior().
 Vec3d spectrum_color(const Parameters& parameters, const char* name, Vec3d otherwise, SpectrumContext& context);
 
+/// The same for a light. Black bodies differ: pbrt-v4, which gives their temperature alone, makes their luminance 1; v3
+/// makes the peak of their spectrum 1, wherever it lies.
+Vec3d light_color(const Parameters& parameters, const char* name, Vec3d otherwise, SpectrumContext& context);
+
+/// Linear Rec. 709 of a black body's light where its spectrum's peak is 1. Kelvin; zero for none.
+Vec3d blackbody_light(double kelvin);
+
 /// Chromaticity of a black body, scaled so that its largest component is 1. Kelvin; zero for none.
 Vec3d blackbody_color(double kelvin);
 

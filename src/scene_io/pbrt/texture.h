@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include <kairos/image.h>
 #include <kairos/scene.h>
 
 #include "scene_io/pbrt/spectrum.h"
@@ -21,6 +22,11 @@ struct Texture {
   Vec3d factor{1, 1, 1};
   std::string image;  ///< path; empty: the factor is all there is
   UvMap map;
+  double image_mean = 0.5;  ///< as far as it is known
+  bool is_absent = false;   ///< its image cannot be found: the factor stands for it
+
+  /// Its image, where our texture coordinates, which count from an image's upper edge, lie on it.
+  TextureRef reference() const;
 };
 
 class Textures {
@@ -37,14 +43,20 @@ class Textures {
 
   SpectrumContext& spectrum() { return spectrum_; }
 
+  /// What was drawn for textures that are computed, by the name under which they call it.
+  std::map<std::string, Pixels> take_pictures() { return std::move(pictures_); }
+
  private:
   Texture evaluate(const std::string& kind, const Parameters& parameters);
   Texture image(const Parameters& parameters);
   Texture mix(const Parameters& parameters);
   Texture scale(const Parameters& parameters);
+  void check_mapping(const Parameters& parameters);
+  Texture checkerboard(const Parameters& parameters);
 
   SpectrumContext spectrum_;
   std::map<std::string, Texture> floats_, spectra_;
+  std::map<std::string, Pixels> pictures_;
 };
 
 double mean(Vec3d color);

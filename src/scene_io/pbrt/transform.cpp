@@ -33,8 +33,8 @@ Mat4 take_matrix(Tokens& tokens) {
   for (size_t c = 0; c < 4; ++c)
     for (size_t r = 0; r < 4; ++r) matrix.m[c][r] = numbers[4 * c + r];
   const auto& m = matrix.m;
-  if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] == 0)
-    fail(place, "the matrix projects: numbers 4, 8 and 12 must be 0, and number 16 must not");
+  if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0) return matrix;
+  if (m[3][3] == 0) fail(place, "numbers 4, 8, 12 and 16 of the matrix are all 0");
   for (auto& column : matrix.m)
     for (double& entry : column) entry /= numbers[15];
   return matrix;
@@ -62,6 +62,24 @@ Mat4 pbrt_look_at(Vec3d eye, Vec3d target, Vec3d up) {
                                {true_up.x, true_up.y, true_up.z, 0},
                                {forward.x, forward.y, forward.z, 0},
                                {eye.x, eye.y, eye.z, 1}}}});
+}
+
+bool projects(const Mat4& matrix) {
+  const auto& m = matrix.m;
+  return m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1;
+}
+
+Vec3d project_point(const Mat4& matrix, Vec3d point) {
+  const auto& m = matrix.m;
+  const double w = m[0][3] * point.x + m[1][3] * point.y + m[2][3] * point.z + m[3][3];
+  const Vec3d moved = transform_point(matrix, point);
+  return w == 1 ? moved : moved / w;
+}
+
+bool CurrentTransform::is_affine() const { return !projects(pair_.start) && !projects(pair_.end); }
+
+void CurrentTransform::require_affine(const std::string& who, const Place& place) const {
+  if (!is_affine()) fail(place, who + " cannot have a transform that projects (whose last row is not 0 0 0 1)");
 }
 
 void CurrentTransform::check(const Place& place) const {

@@ -21,11 +21,21 @@ struct TransformPair {
   friend bool operator==(const TransformPair&, const TransformPair&) = default;
 };
 
+/// Does its last row differ from 0 0 0 1?
+bool projects(const Mat4& matrix);
+/// A point by a matrix that may project. Not finite where it goes to infinity.
+Vec3d project_point(const Mat4& matrix, Vec3d point);
+
 class CurrentTransform {
  public:
   /// Performs a transform statement, whose name was just taken from `tokens`. Returns false where `statement` is none.
   /// Throws Error(bad_input) for malformed arguments or a result that is not finite.
   bool perform(std::string_view statement, Tokens& tokens);
+
+  /// Does neither matrix project? pbrt allows it for lights and shapes; what cannot have it calls require_affine, which
+  /// throws Error(bad_input): "`who` cannot ...".
+  bool is_affine() const;
+  void require_affine(const std::string& who, const Place& place) const;
 
   /// Sets both to the identity, whatever is active.
   void reset() { pair_ = {}; }

@@ -7,6 +7,7 @@
 
 #include <kairos/error.h>
 
+#include "scene_io/file_warnings.h"
 #include "scene_io/ply/header.h"
 #include "scene_io/ply/source.h"
 
@@ -14,7 +15,7 @@ namespace kairos {
 
 namespace {
 
-enum Slot { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kSlots };
+enum Slot { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kRed, kGreen, kBlue, kAlpha, kSlots };
 constexpr int kNoSlot = -1;
 
 int slot_of(const PlyProperty& property) {
@@ -22,13 +23,37 @@ int slot_of(const PlyProperty& property) {
     std::string_view name;
     Slot slot;
   };
-  constexpr Known kKnown[] = {{"x", kX},         {"y", kY},         {"z", kZ},         {"nx", kNx},      {"ny", kNy},
-                              {"nz", kNz},       {"u", kU},         {"v", kV},         {"s", kU},        {"t", kV},
-                              {"texture_u", kU}, {"texture_v", kV}, {"texture_s", kU}, {"texture_t", kV}};
+  constexpr Known kKnown[] = {{"x", kX},
+                              {"y", kY},
+                              {"z", kZ},
+                              {"nx", kNx},
+                              {"ny", kNy},
+                              {"nz", kNz},
+                              {"u", kU},
+                              {"v", kV},
+                              {"s", kU},
+                              {"t", kV},
+                              {"texture_u", kU},
+                              {"texture_v", kV},
+                              {"texture_s", kU},
+                              {"texture_t", kV},
+                              {"red", kRed},
+                              {"green", kGreen},
+                              {"blue", kBlue},
+                              {"alpha", kAlpha},
+                              {"diffuse_red", kRed},
+                              {"diffuse_green", kGreen},
+                              {"diffuse_blue", kBlue}};
   if (!property.is_list)
     for (const Known& known : kKnown)
       if (known.name == property.name) return known.slot;
   return kNoSlot;
+}
+
+/// What a full colour is written as.
+float full_code(PlyType type) {
+  if (type == PlyType::float32 || type == PlyType::float64) return 1;
+  return type == PlyType::uint16 ? 65535.0f : 255.0f;
 }
 
 uint32_t to_index(double number) {
@@ -57,16 +82,25 @@ class BodyParser {
       } else if (element.name == "tristrips") {
         read_faces(element, true);
       } else {
+        left_out(element, "elements '" + printable(element.name) + "'");
         for (uint64_t i = 0; i < element.count; ++i)
           for (const PlyProperty& property : element.properties) skip(property);
       }
     }
     if (!has_vertices) fail("has no element 'vertex'");
+    for (std::string& line : warnings_.lines()) mesh_.warnings.push_back(std::move(line));
     return std::move(mesh_);
   }
 
  private:
   [[noreturn]] void fail(const std::string& what) const { throw Error(ErrorCode::bad_input, mesh_.path, what); }
+
+  void left_out(const PlyElement& element, const std::string& what) {
+    if (element.count > 0) warnings_.add({mesh_.path, 0}, what + " are left out");
+  }
+  void property_left_out(const PlyElement& element, const PlyProperty& property) {
+    left_out(element, "properties '" + printable(property.name) + "' of elements '" + printable(element.name) + "'");
+  }
 
   /// Before any memory is taken for it: does the file have room for what the header promises?
   void check_room(const PlyElement& element) const {
@@ -96,17 +130,27 @@ class BodyParser {
   void read_vertices(const PlyElement& element) {
     std::vector<int> slots;
     std::array<bool, kSlots> has{};
+    std::array<float, kSlots> row{};
+    std::array<float, kSlots> full{};
+    row[kAlpha] = full[kAlpha] = 1;
     for (const PlyProperty& property : element.properties) {
       slots.push_back(slot_of(property));
-      if (slots.back() != kNoSlot) has[static_cast<size_t>(slots.back())] = true;
+      if (slots.back() == kNoSlot) {
+        property_left_out(element, property);
+        continue;
+      }
+      const auto slot = static_cast<size_t>(slots.back());
+      has[slot] = true;
+      full[slot] = full_code(property.type);
     }
     if (!has[kX] || !has[kY] || !has[kZ]) fail("its vertices lack one of x, y, z");
     if (element.count > kMaxIndices) fail("has more than 2^32 vertices");
-    const bool normals = has[kNx] && has[kNy] && has[kNz], uvs = has[kU] && has[kV];
+    const bool normals = has[kNx] && has[kNy] && has[kNz], uvs = has[kU] && has[kV],
+               colors = has[kRed] && has[kGreen] && has[kBlue];
     mesh_.positions.reserve(element.count);
     if (normals) mesh_.normals.reserve(element.count);
     if (uvs) mesh_.uvs.reserve(element.count);
-    std::array<float, kSlots> row{};
+    if (colors) mesh_.colors.reserve(element.count);
     for (uint64_t i = 0; i < element.count; ++i) {
       for (size_t p = 0; p < slots.size(); ++p) {
         if (slots[p] == kNoSlot)
@@ -117,19 +161,28 @@ class BodyParser {
       mesh_.positions.push_back({row[kX], row[kY], row[kZ]});
       if (normals) mesh_.normals.push_back({row[kNx], row[kNy], row[kNz]});
       if (uvs) mesh_.uvs.push_back({row[kU], row[kV]});
+      if (colors)
+        mesh_.colors.push_back(color_of_codes({row[kRed] / full[kRed], row[kGreen] / full[kGreen],
+                                               row[kBlue] / full[kBlue], row[kAlpha] / full[kAlpha]}));
     }
   }
 
   void read_faces(const PlyElement& element, bool strips) {
+    for (const PlyProperty& property : element.properties)
+      if (!is_indices(property)) property_left_out(element, property);
     for (uint64_t i = 0; i < element.count; ++i)
       for (const PlyProperty& property : element.properties) {
-        if (!property.is_list || (property.name != "vertex_indices" && property.name != "vertex_index"))
+        if (!is_indices(property))
           skip(property);
         else if (strips)
           read_strip(property);
         else
           read_face(property);
       }
+  }
+
+  static bool is_indices(const PlyProperty& property) {
+    return property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index");
   }
 
   void read_face(const PlyProperty& property) {
@@ -161,6 +214,7 @@ class BodyParser {
 
   Source source_;
   PolygonMesh mesh_;
+  FileWarnings warnings_{false};
 };
 
 template <class Source>
