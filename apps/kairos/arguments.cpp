@@ -84,14 +84,14 @@ ShutterInterval parse_shutter(const std::string& option, std::string_view text) 
   return interval;
 }
 
+}  // namespace
+
 void add_real(CLI::App& app, const std::string& name, const std::string& help, const std::string& type,
               const std::function<void(double)>& set) {
   app.add_option_function<std::string>(
          name, [name, set](const std::string& text) { set(parse_real(name, text)); }, help)
       ->type_name(type);
 }
-
-}  // namespace
 
 void add_scene_arguments(CLI::App& app, SceneArguments& out) {
   constexpr double kMostTolerance = 1e6;  // pixels

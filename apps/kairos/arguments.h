@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -39,6 +40,10 @@ CLI::Option* add_count(CLI::App& app, const std::string& name, Number& out, uint
       ->type_name("N")
       ->default_str(std::to_string(out));
 }
+
+/// An option that takes a finite number.
+void add_real(CLI::App& app, const std::string& name, const std::string& help, const std::string& type,
+              const std::function<void(double)>& set);
 
 /// What shows surfaces: other shadings neither take time that could be measured nor have a reference.
 inline constexpr std::span<const Named<ShadingKind>> kSurfaceShadings = std::span(kNames<ShadingKind>).first(3);

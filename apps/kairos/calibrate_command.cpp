@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "log.h"
+#include "sampling_arguments.h"
 
 namespace kairos::cli {
 
@@ -16,7 +17,7 @@ namespace {
 
 struct CalibrateArguments {
   SceneArguments scene;
-  RenderParams params;
+  RenderParams params = lit();
   std::string out;
   bool quiet = false;
 };
@@ -69,6 +70,7 @@ void add_calibrate_command(CLI::App& app, Action& chosen) {
   command.callback([arguments, &chosen] {
     arguments->scene.shot.textures = arguments->params.shading != ShadingKind::normal;
     arguments->scene.shot.strict = arguments->scene.load.strict;
+    if (arguments->params.shading == ShadingKind::whitted) arguments->scene.shot.lights = LightChoice::automatic;
     arguments->params.threads = arguments->scene.threads;
     chosen = [arguments] { run_calibrate(*arguments); };
   });

@@ -101,11 +101,13 @@ class RecordText : public PixelConsumer {
 
 }  // namespace
 
-void run_pixel_query(const SceneArguments& scene_arguments, SamplingArguments sampling, std::array<int, 2> pixel) {
+void run_pixel_query(const SceneArguments& scene_arguments, SamplingArguments sampling,
+                     const BackgroundChoice& background, std::array<int, 2> pixel) {
   read_calibration_into(sampling);
   const auto scene = load_scene(scene_arguments.paths, scene_arguments.load);
   const ExposedShot exposed = exposed_shot(scene_arguments, sampling.exposure, *scene);
-  const Shot shot = make_shot(*scene, exposed.options);
+  Shot shot = make_shot(*scene, exposed.options);
+  background.apply(shot);
   sampling.params.exposure = exposed.exposure(shot);
   const auto [x, y] = pixel;
   if (x >= shot.projection.width || y >= shot.projection.height)

@@ -16,6 +16,7 @@
 
 #include "arguments.h"
 #include "commands.h"
+#include "light_arguments.h"
 #include "pixel_query.h"
 #include "ray_reader.h"
 #include "sampling_arguments.h"
@@ -33,6 +34,7 @@ struct QueryArguments {
   TraceLimits limits;
   std::optional<std::array<int, 2>> pixel;
   SamplingArguments sampling;
+  LightArguments light;
 };
 
 TracerOptions options_of(const QueryArguments& arguments) {
@@ -149,7 +151,8 @@ void read_pixel(const std::string& text, QueryArguments& arguments) {
 }
 
 void run_query(QueryArguments arguments) {
-  if (arguments.pixel) return run_pixel_query(arguments.scene, arguments.sampling, *arguments.pixel);
+  if (arguments.pixel)
+    return run_pixel_query(arguments.scene, arguments.sampling, arguments.light.background, *arguments.pixel);
   std::ifstream file;
   const bool standard_input = arguments.rays == "-";
   if (!standard_input) {
@@ -208,11 +211,13 @@ void add_query_command(CLI::App& app, Action& chosen) {
   const std::vector<CLI::Option*> of_rays = command.get_options();
   add_exposure_options(command, arguments->sampling.exposure);
   add_sampling_options(command, arguments->sampling);
+  add_light_options(command, arguments->light);
   command.callback([arguments, &chosen, &command, of_rays] {
     check_belong_together(command, of_rays, arguments->pixel.has_value());
     choose_integrator(command, arguments->sampling.params);
     arguments->scene.shot.textures = arguments->pixel && arguments->sampling.params.shading != ShadingKind::normal;
     arguments->scene.shot.strict = arguments->scene.load.strict;
+    if (arguments->pixel) arguments->light.apply(command, arguments->sampling.params, arguments->scene.shot);
     chosen = [arguments] { run_query(*arguments); };
   });
 }

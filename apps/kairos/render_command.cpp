@@ -1,5 +1,6 @@
 // kairos render: scene in, picture out.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -13,6 +14,7 @@
 #include "frame_mark.h"
 #include "frames.h"
 #include "interrupt.h"
+#include "light_arguments.h"
 #include "log.h"
 #include "progress_bar.h"
 #include "render_stats.h"
@@ -29,12 +31,20 @@ struct RenderArguments {
   WriteOptions write;
   std::string out, stats_file, command_line;  ///< names of files: with `frames`, of a sequence's
   std::optional<FrameRange> frames;
+  std::optional<ViewTransform> view;  ///< unset: as the shading asks for
+  LightArguments light;
   const CLI::App* command = nullptr;
   bool quiet = false;
 };
 
 void log(const RenderArguments& arguments, const std::string& line) {
   if (!arguments.quiet) cli::log(line);
+}
+
+bool is_exr(const std::string& name) {
+  std::string extension = std::filesystem::path(name).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".exr";
 }
 
 uint64_t total_rays(const RenderParams& params, const Shot& shot) {
@@ -65,6 +75,11 @@ Image render_with_progress(const RenderArguments& arguments, const Shot& shot, c
   throw Error(ErrorCode::cancelled, "", "interrupted");
 }
 
+/// Colours that say what a surface is stay as they are; light needs room for what is brighter than a screen.
+ViewTransform shown_by_default(const Shot& shot, ShadingKind shading) {
+  return shading == ShadingKind::whitted && reflects_light(shot) ? ViewTransform::filmic : ViewTransform::standard;
+}
+
 /// One picture of a sequence, or the only one.
 struct Job {
   ShotOptions shot;
@@ -77,10 +92,11 @@ std::string mark_of(const RenderArguments& arguments) {
   std::vector<std::string> files = arguments.scene.paths;
   if (arguments.sampling.calibration != kDefaultCalibration) files.push_back(arguments.sampling.calibration);
   if (!arguments.sampling.exposure.map.empty()) files.push_back(arguments.sampling.exposure.map);
-  return frame_mark(
-      *arguments.command,
-      {"SCENE", "--output", "--frames", "--stats-file", "--calibration", "--interval-map", "--threads", "--quiet"},
-      files);
+  if (arguments.light.environment) files.push_back(arguments.light.environment->path);
+  return frame_mark(*arguments.command,
+                    {"SCENE", "--output", "--frames", "--stats-file", "--calibration", "--environment",
+                     "--interval-map", "--threads", "--quiet"},
+                    files);
 }
 
 /// The pictures that are not there yet. Throws Error(bad_input) where there is one of another sequence: frames that
@@ -115,7 +131,8 @@ void render_job(const RenderArguments& arguments, const Job& job, const std::str
   SceneArguments of_job = arguments.scene;
   of_job.shot = job.shot;
   const ExposedShot exposed = exposed_shot(of_job, arguments.sampling.exposure, scene);
-  const Shot shot = make_shot(scene, exposed.options);
+  Shot shot = make_shot(scene, exposed.options);
+  arguments.light.background.apply(shot);
   RenderParams params = arguments.sampling.params;
   params.exposure = exposed.exposure(shot);
   timings.shot = reducing.seconds();
@@ -138,7 +155,9 @@ void render_job(const RenderArguments& arguments, const Job& job, const std::str
   image.attributes.push_back({"kairos:command_line", arguments.command_line});
   if (!mark.empty()) image.attributes.push_back({kFrameMarkName, mark});
   const Stopwatch writing;
-  write_interruptibly(image, job.out, arguments.write);
+  WriteOptions write = arguments.write;
+  write.view = arguments.view.value_or(shown_by_default(shot, arguments.sampling.params.shading));
+  write_interruptibly(image, job.out, write);
   timings.write = writing.seconds();
   if (!job.stats_file.empty()) {
     write_file(job.stats_file, stats_text(params, shot, stats, timings));
@@ -175,6 +194,17 @@ void add_picture_options(CLI::App& app, RenderArguments& out) {
   RenderParams& params = out.sampling.params;
   app.add_option("-o,--output", out.out, "The picture to write")->type_name("OUT.exr|OUT.png")->required();
   app.add_flag("--half", out.write.half, "16-bit colours in EXR (depth stays 32-bit)");
+  app.add_option_function<std::string>(
+         "--view", [&out](const std::string& text) { out.view = parse_choice<ViewTransform>("--view", text); },
+         "How a PNG shows colours. standard: as they are, cut off at white; filmic: with a soft shoulder (default "
+         "where "
+         "the shading is lit)")
+      ->type_name("standard|filmic");
+  add_real(app, "--exposure", "Stops by which a PNG is brighter [0]", "EV", [&out](double v) {
+    constexpr double kMost = 100;
+    if (!(std::abs(v) <= kMost)) throw CLI::ValidationError("--exposure", "must be -100 to 100");
+    out.write.exposure = v;
+  });
   app.add_option_function<std::string>(
          "--aov",
          [&params](const std::string& text) {
@@ -215,6 +245,7 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
   add_scene_arguments(command, arguments->scene);
   add_picture_options(command, *arguments);
   add_exposure_options(command, arguments->sampling.exposure);
+  add_light_options(command, arguments->light);
   add_sampling_options(command, arguments->sampling);
   command.add_option("--stats-file", arguments->stats_file, "Write times, memory and counters to this JSON file")
       ->type_name("F.json");
@@ -236,6 +267,10 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
     arguments->scene.shot.textures = arguments->sampling.params.shading != ShadingKind::normal ||
                                      std::find(aovs.begin(), aovs.end(), Aov::albedo) != aovs.end();
     arguments->scene.shot.strict = arguments->scene.load.strict;
+    arguments->light.apply(command, arguments->sampling.params, arguments->scene.shot);
+    if ((arguments->view || command.count("--exposure") > 0) && is_exr(arguments->out))
+      throw CLI::ValidationError(arguments->view ? "--view" : "--exposure",
+                                 "is for PNG: EXR holds the colours as they were rendered");
     chosen = [arguments] { run_render(*arguments); };
   });
 }

@@ -12,8 +12,15 @@ namespace kairos::cli {
 
 inline constexpr const char* kDefaultCalibration = "default";
 
-struct SamplingArguments {
+/// What people expect of a picture of their own files.
+inline RenderParams lit() {
   RenderParams params;
+  params.shading = ShadingKind::whitted;
+  return params;
+}
+
+struct SamplingArguments {
+  RenderParams params = lit();
   ExposureArguments exposure;
   std::string calibration = kDefaultCalibration;  ///< or a file
 };

@@ -194,6 +194,8 @@ void add_study_command(CLI::App& app, Action& chosen, const std::string& command
       o.shot.shutter = shutter->in_frames(o.shot.fps.value_or(1));
     }
     o.shot.strict = o.load.strict;
+    if (std::find(o.shadings.begin(), o.shadings.end(), ShadingKind::whitted) != o.shadings.end())
+      o.shot.lights = LightChoice::automatic;
     o.threads = arguments->scene.threads;
     // Threads that wait for each other use no processor, and yet take time.
     if (o.threads != 1 && command.count("--clock") == 0) o.clock = study::Clock::wall;

@@ -44,15 +44,25 @@ struct Image {
   KAIROS_API const Channel* find(const std::string& name) const;
 };
 
+/// How the colours of a picture become those of a screen: docs/light.md.
+enum class ViewTransform {
+  standard,  ///< as they are, cut off at 1
+  filmic,    ///< as they are up to a brightness, then along a shoulder that never reaches 1
+};
+
 struct WriteOptions {
   bool half = false;  ///< 16-bit colours in EXR
+  // PNG alone: EXR holds what was rendered.
+  ViewTransform view = ViewTransform::standard;
+  double exposure = 0;  ///< colours are multiplied by two to this power before the view; -100 to 100
   /// Asked now and then while the file is written: false leaves nothing behind and throws Error(cancelled).
   std::function<bool()> go_on = {};
 };
 
-/// Writes EXR (all channels, attributes in the header, crop as data window) or PNG (colour alone, sRGB, 8 bit), as the
-/// path's extension says, to a temporary file beside it that is renamed at the end: nobody sees half a file.
-/// Throws Error(bad_usage) for another extension, Error(io) when writing fails.
+/// Writes EXR (all channels, attributes in the header, crop as data window) or PNG (colour alone, sRGB, 8 bit; with a
+/// channel "A" of alpha, by which colours are divided, since PNG's are not premultiplied), as the path's extension
+/// says, to a temporary file beside it that is renamed at the end: nobody sees half a file. Throws Error(bad_usage) for
+/// another extension, Error(io) when writing fails.
 KAIROS_API void write_image(const Image& image, const std::string& path, const WriteOptions& options = {});
 
 /// Throws what write_image would, as far as that is known before there is an image.

@@ -56,6 +56,14 @@ template <>
 inline constexpr auto kNames<Normalise> = std::to_array<Named<Normalise>>({{"mean", Normalise::mean},
                                                                            {"energy", Normalise::energy}});
 template <>
+inline constexpr auto kNames<LightChoice> = std::to_array<Named<LightChoice>>({{"auto", LightChoice::automatic},
+                                                                               {"file", LightChoice::file},
+                                                                               {"studio", LightChoice::studio},
+                                                                               {"none", LightChoice::none}});
+template <>
+inline constexpr auto kNames<ViewTransform> =
+    std::to_array<Named<ViewTransform>>({{"standard", ViewTransform::standard}, {"filmic", ViewTransform::filmic}});
+template <>
 inline constexpr auto kNames<InstructionSet> = std::to_array<Named<InstructionSet>>({{"scalar", InstructionSet::scalar},
                                                                                      {"sse4", InstructionSet::sse4},
                                                                                      {"avx2", InstructionSet::avx2},

@@ -24,7 +24,7 @@ struct PixelMeans {
 /// weight: of instants; the integral of what is seen times the weight is exact. count_meshes: find out mesh_id.
 KAIROS_API PixelMeans reduce(const PixelRecord& record, const TimeWeight& weight = {}, bool count_meshes = true);
 
-/// A picture under any weight of time. The channels are those of RenderParams::aovs beside the colour.
+/// A picture under any weight of time. The channels are those of RenderParams::alpha and aovs beside the colour.
 class KAIROS_API Picture : public PixelConsumer {
  public:
   /// Of the frame, or of the crop inside of it that `params` names; each pixel under its weight of `params.exposure`,
@@ -39,6 +39,7 @@ class KAIROS_API Picture : public PixelConsumer {
   Image take() { return std::move(image_); }
 
  private:
+  bool alpha_;
   std::vector<Aov> aovs_;
   TimeWeight weight_;
   std::optional<Exposure> exposure_;

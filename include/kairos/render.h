@@ -115,6 +115,9 @@ struct RenderParams {
   /// When each pixel is exposed while the shutter is open, and how much each of its instants counts. Rays look at that
   /// time alone. Made for this shot and its frame; its curve is nowhere negative. Unset: every pixel all the time.
   std::optional<Exposure> exposure;
+  /// A channel "A" beside the colour: the coverage, which is the colour's alpha, premultiplied, where the shot's
+  /// backdrop is black.
+  bool alpha = false;
   std::optional<Crop> crop;  ///< unset: the whole frame; its pixels are those of the whole frame, bit for bit
   uint64_t seed = 0;
   int threads = 0;  ///< 0: as many as the machine has; no effect on the picture. Pictures rendered at the same time do

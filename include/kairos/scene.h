@@ -101,7 +101,7 @@ struct EnvironmentLight {
   Mapping mapping = Mapping::latitude_longitude;
   std::array<Vec3d, 3> axes{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};  ///< of the picture; orthonormal
 };
-/// In world space; those of a scene do not move. Linear Rec. 709.
+/// In world space. Linear Rec. 709.
 using Light = std::variant<PointLight, SpotLight, DirectionalLight, ConstantLight, EnvironmentLight>;
 
 /// Picks what a scene file offers several of.
@@ -175,6 +175,21 @@ struct SceneContents {
 };
 KAIROS_API SceneContents contents(const Scene& scene);
 
+/// What lights a shot. What emits, glows in any case.
+enum class LightChoice {
+  automatic,  ///< what the scene brings; where it brings no lights and anything reflects light, the studio
+  file,       ///< what the scene brings
+  studio,     ///< a soft environment and a key light (docs/light.md), in place of what the scene brings
+  none,
+};
+
+/// A picture of all that is far away, by latitude and longitude, in place of a shot's environment.
+struct EnvironmentPicture {
+  std::string path;
+  double rotation_degrees = 0;  ///< about y, counter-clockwise seen from above
+  double strength = 1;          ///< what the picture is multiplied by; 0 or more
+};
+
 /// Which stretch of the scene's time the shutter is open for, and from where one looks.
 struct ShotOptions {
   enum class Space {
@@ -189,7 +204,9 @@ struct ShotOptions {
   bool textures = true;           ///< read all pictures; otherwise only those that say where surfaces are missing
   double motion_tolerance = 0.1;  ///< pixels: how far linear motion between keys may leave a vertex's true path
   bool strict = false;            ///< a bad triangle or picture is an error, not a note
-  int threads = 0;                ///< 0: as many as the machine has; no effect on the shot
+  LightChoice lights = LightChoice::file;
+  std::optional<EnvironmentPicture> environment;  ///< read when textures are
+  int threads = 0;                                ///< 0: as many as the machine has; no effect on the shot
 };
 
 class Texture;
@@ -204,15 +221,23 @@ struct MaterialTextures {
 /// from.
 ///
 /// Invariants (validate_shot checks them): meshes are valid (see Mesh); mesh.material is below materials.size(), where
-/// there are materials at all; textures and light_textures are empty or as many as there are materials and lights; what
-/// materials, lights, the background and the projection say in numbers is finite, and the projection shows something.
+/// there are materials at all; textures, light_textures and moving_lights are empty or as many as there are materials
+/// and lights; what materials, lights, the background and the projection say in numbers is finite, and the projection
+/// shows something.
 struct Shot {
   std::vector<Mesh> meshes;
   std::vector<Material> materials;
   std::vector<MaterialTextures> textures;  ///< [material], or empty where there are none
   std::vector<Light> lights;
   std::vector<std::shared_ptr<const Texture>> light_textures;  ///< [light], or empty; null for lights without one
+  /// [light], or empty: the light at a shutter time, of the same kind as in `lights`; null for lights that stand still.
+  /// Called from many threads at once.
+  std::vector<std::function<Light(double time)>> moving_lights;
   Vec3f background;
+  /// What rays from the camera see beyond everything, in place of the background and of environments' pictures; what is
+  /// mirrored or refracted sees those all the same.
+  std::optional<Vec3f> backdrop;
+  Vec3f seen_background() const { return backdrop.value_or(background); }  ///< by rays from the camera
   Projection projection;
   double shutter_open = 0, shutter_close = 1;  ///< scene time; equal for a still frame
   /// Rotation camera space -> world space (columns) at a shutter time, for normals; identity columns in world space.
@@ -226,6 +251,9 @@ struct Shot {
 
 /// Throws Error(bad_input) that names the first broken invariant of a shot.
 KAIROS_API void validate_shot(const Shot& shot);
+
+/// Does any surface of the shot reflect light or let it through? Otherwise lights make no difference.
+KAIROS_API bool reflects_light(const Shot& shot);
 
 /// Throws Error(bad_usage) for a camera that does not exist or times that make no sense, Error(bad_input) for a camera
 /// or a mesh that cannot be used.

@@ -34,7 +34,7 @@ ChannelNames channels_of(Aov aov) {
 }  // namespace
 
 Picture::Picture(const Projection& frame, const RenderParams& params, TimeWeight weight)
-    : aovs_(params.aovs), weight_(std::move(weight)), exposure_(params.exposure) {
+    : alpha_(params.alpha), aovs_(params.aovs), weight_(std::move(weight)), exposure_(params.exposure) {
   if (exposure_ && !weight_.is_box())
     throw Error(ErrorCode::bad_usage, "", "a picture takes an exposure or a weight of time, not both");
   const Crop crop = params.crop.value_or(Crop{0, frame.width, 0, frame.height});
@@ -53,6 +53,7 @@ Picture::Picture(const Projection& frame, const RenderParams& params, TimeWeight
       image_.channels.push_back({name, channels.storage, std::vector<float>(pixels)});
   };
   add({Channel::Storage::colour, {"R", "G", "B"}});
+  if (alpha_) add({Channel::Storage::colour, {"A"}});
   for (auto aov = aovs_.begin(); aov != aovs_.end(); ++aov) {
     if (std::find(aovs_.begin(), aov, *aov) != aov) throw Error(ErrorCode::bad_usage, "", "an AOV is asked for twice");
     add(channels_of(*aov));
@@ -76,6 +77,7 @@ void Picture::add(const PixelRecord& record) {
     for (int i = 0; i < 3; ++i) put(value[i]);
   };
   put3(means.colour);
+  if (alpha_) put(means.coverage);
   for (const Aov aov : aovs_) switch (aov) {
       case Aov::depth:
         put(means.depth);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <string>
 
 #include <kairos/error.h>
@@ -33,6 +34,9 @@ const Channel* Image::find(const std::string& name) const {
 }
 
 void write_image(const Image& image, const std::string& path, const WriteOptions& options) {
+  constexpr double kMostStops = 100;
+  if (!(std::abs(options.exposure) <= kMostStops))
+    throw Error(ErrorCode::bad_usage, path, "an exposure must be -100 to 100 stops");
   switch (format_of(path)) {
     case Format::exr:
       return write_exr(image, path, options);

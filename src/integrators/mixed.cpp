@@ -167,7 +167,7 @@ class MixedIntegrator : public Integrator {
           shading_(context_.shader, integrator.shading_),
           still_layer_(context_, integrator.scene_),
           samples_(context_, integrator.scene_),
-          contrast_(integrator.shot_.background),
+          contrast_(integrator.shot_.seen_background()),
           record_(context_.needs.surfaces()) {}
 
     const PixelRecord& render_pixel(int x, int y, Monitor& monitor) override {

@@ -70,7 +70,7 @@ class Way {
       : pixels_(pixels),
         context_{CameraRays(parts.shot().projection),
                  Sampler(params.sampler, static_cast<uint32_t>(std::max(params.spp, params.tc_rays)), params.seed),
-                 PixelFilter(params.filter), shader, parts.shot().background} {
+                 PixelFilter(params.filter), shader, parts.shot().seen_background()} {
     RenderStats stats;
     integrator_ = params.integrator == IntegratorKind::qmc ? make_qmc_integrator(parts, params, context_)
                                                            : make_mixed_integrator(parts, params, context_, stats);

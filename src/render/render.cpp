@@ -248,7 +248,7 @@ void render_here(ShotParts& parts, const RenderParams& params, const Crop& crop,
                              Sampler(params.sampler, point_count(params), params.seed),
                              PixelFilter(params.filter),
                              shader,
-                             shot.background,
+                             shot.seen_background(),
                              needs,
                              params.exposure};
   stats.build_seconds = seconds_since(start);  // of this picture alone

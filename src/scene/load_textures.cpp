@@ -160,16 +160,17 @@ std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_on
   return result;
 }
 
-std::vector<std::shared_ptr<const Texture>> load_light_textures(const Scene& scene, bool strict, MemoryBudget& budget,
+std::vector<std::shared_ptr<const Texture>> load_light_textures(const Scene& scene, std::span<const Light> lights,
+                                                                bool strict, MemoryBudget& budget,
                                                                 std::vector<std::string>& notes) {
-  std::vector<std::shared_ptr<const Texture>> result(scene.lights.size());
+  std::vector<std::shared_ptr<const Texture>> result(lights.size());
   Slots slots;
-  for (const Light& light : scene.lights)
+  for (const Light& light : lights)
     if (const auto* sky = std::get_if<EnvironmentLight>(&light); sky != nullptr && !sky->texture.empty())
       slots.try_emplace({sky->texture, Texture::Encoding::srgb});
   read(scene, slots, budget);
-  for (size_t i = 0; i < scene.lights.size(); ++i) {
-    const auto* light = std::get_if<EnvironmentLight>(&scene.lights[i]);
+  for (size_t i = 0; i < lights.size(); ++i) {
+    const auto* light = std::get_if<EnvironmentLight>(&lights[i]);
     if (light == nullptr || light->texture.empty()) continue;
     Slot slot = slots.at({light->texture, Texture::Encoding::srgb});
     if (slot.texture && light->mapping == EnvironmentLight::Mapping::equal_area &&

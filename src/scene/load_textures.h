@@ -1,6 +1,8 @@
 // Reads the pictures that a scene's materials name.
 #pragma once
 
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,8 +20,9 @@ namespace kairos {
 std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_only, bool strict, MemoryBudget& budget,
                                             std::vector<std::string>& notes);
 
-/// [light]; null for those without a picture that can be read. Notes and errors as above.
-std::vector<std::shared_ptr<const Texture>> load_light_textures(const Scene& scene, bool strict, MemoryBudget& budget,
+/// [light], of lights of the scene; null for those without a picture that can be read. Notes and errors as above.
+std::vector<std::shared_ptr<const Texture>> load_light_textures(const Scene& scene, std::span<const Light> lights,
+                                                                bool strict, MemoryBudget& budget,
                                                                 std::vector<std::string>& notes);
 
 }  // namespace kairos

@@ -19,6 +19,7 @@
 #include "scene/make_shot_notes.h"
 #include "scene/motion_keys.h"
 #include "scene/scene.h"
+#include "scene/shot_lights.h"
 #include "scene/view.h"
 
 namespace kairos {
@@ -208,7 +209,6 @@ Shot make_shot_here(const Scene& scene, const ShotOptions& options) {
   const SceneCamera camera = found ? *found : frame_scene(scene, shot.projection, window);
   const View view(camera, shot.projection, options.space, window);
   shot.materials = scene.materials;
-  shot.lights = scene.lights;
   shot.background = scene.background;
   shot.shutter_open = window.open;
   shot.shutter_close = window.close;
@@ -242,7 +242,7 @@ Shot make_shot_here(const Scene& scene, const ShotOptions& options) {
   if (!found) shot.notes.push_back("no camera in the scene: using one that frames it");
   for (const Mesh& mesh : shot.meshes) budget.take(std::min(budget.left(), key_bytes(mesh)));
   shot.textures = load_textures(scene, !options.textures, options.strict, budget, shot.notes);
-  if (options.textures) shot.light_textures = load_light_textures(scene, options.strict, budget, shot.notes);
+  light_shot(shot, scene, options, camera, view, budget);
   for (std::string& note : shot_notes(shot.meshes, reports)) shot.notes.push_back(std::move(note));
   for (std::string& note : shot.notes) note = printable(note, std::string::npos);
   return shot;

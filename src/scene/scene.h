@@ -33,6 +33,16 @@ struct SceneCamera : Lens {
   std::shared_ptr<const TransformMotion> motion;  ///< world from camera, without scale; looks along -z
 };
 
+/// A light in the space of what carries it through the world.
+struct MovingLight {
+  Light light;
+  std::shared_ptr<const TransformMotion> motion;
+};
+
+/// The light in the world where its own space is placed by `matrix`: positions and directions go along, how bright it
+/// is stays.
+Light placed(const Light& light, const Mat4& world_from_light);
+
 struct Scene {
   std::vector<SceneMesh> meshes;
   std::vector<Material> materials;  ///< never empty once loaded: index 0 exists
@@ -41,7 +51,10 @@ struct Scene {
   /// The same, decoded.
   std::map<std::string, Pixels> pictures;
   std::vector<SceneCamera> cameras;
-  std::vector<Light> lights;
+  std::vector<Light> lights;                    ///< those that move, as they are at rest
+  std::map<size_t, MovingLight> moving_lights;  ///< by their places in `lights`
+  /// It has lights of its own, whether or not they are read, or says that it wants none: what only glows is none.
+  bool brings_lights = false;
   std::vector<SceneAnimation> animations;  ///< those the files hold, played or not
   Vec3f background{0, 0, 0};
   std::optional<std::array<double, 2>> shutter;  ///< open, close in scene time; unset: see make_shot

@@ -104,7 +104,10 @@ void validate_shot(const Shot& shot) {
             "light " + std::to_string(i), "a number is not finite");
   require(shot.light_textures.empty() || shot.light_textures.size() == shot.lights.size(), "light textures",
           "the shot needs as many entries as it has lights, or none");
+  require(shot.moving_lights.empty() || shot.moving_lights.size() == shot.lights.size(), "moving lights",
+          "the shot needs as many entries as it has lights, or none");
   require(is_finite(shot.background), "background", "is not finite");
+  require(!shot.backdrop || is_finite(*shot.backdrop), "backdrop", "is not finite");
   require(shot.projection.width > 0 && shot.projection.height > 0, "projection",
           "shows nothing: it needs a positive width and height in pixels");
   check_lens(shot.projection, "projection");

@@ -160,7 +160,10 @@ void append_scene(Scene& scene, Scene other) {
   scene.embedded_pictures.merge(other.embedded_pictures);
   scene.pictures.merge(other.pictures);
   move_append(scene.cameras, other.cameras);
+  for (auto& [index, light] : other.moving_lights)
+    scene.moving_lights.emplace(scene.lights.size() + index, std::move(light));
   move_append(scene.lights, other.lights);
+  scene.brings_lights = scene.brings_lights || other.brings_lights;
   move_append(scene.animations, other.animations);
   move_append(scene.warnings, other.warnings);
   move_append(scene.notes, other.notes);

@@ -213,6 +213,7 @@ class SceneMaker {
     for (size_t i = 0; i < from_.lights.size(); ++i)
       std::visit(LightChecker{place_of("light", i, "")}, from_.lights[i]);
     scene_.lights = std::move(from_.lights);
+    scene_.brings_lights = !scene_.lights.empty();
     check_colour(from_.background, "background", "scene");
     scene_.background = from_.background;
     make_meshes();

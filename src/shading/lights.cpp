@@ -73,16 +73,10 @@ Lights::Lights(const Shot& shot, const Looks& looks, const Sky& sky)
       const bool is_there = i < shot.light_textures.size() && shot.light_textures[i];
       if (!is_there) environment_ += picture->radiance;
     } else {
-      punctual_.push_back(light);
+      punctual_.push_back({light, i < shot.moving_lights.size() ? shot.moving_lights[i] : nullptr});
     }
   }
   add_areas();
-  if (!punctual_.empty() || has_areas() || has_environment() || !sky_.empty()) return;
-  environment_ = Vec3f{1, 1, 1} * kDefaultAmbient;
-  std::array<Vec3d, 3> axes = Place{}.axes;
-  if (shot.world_from_camera) axes = shot.world_from_camera(0);
-  const Vec3d travels = normalize(axes[0] * 0.5 + axes[1] * -0.7 + axes[2] * -1.0);
-  punctual_.push_back(DirectionalLight{to_float(travels), Vec3f{1, 1, 1} * kDefaultIrradiance});
 }
 
 void Lights::add_areas() {
@@ -110,8 +104,10 @@ float Lights::presence(uint32_t mesh, uint32_t triangle, const std::array<Vec3d,
                                                            : (alpha >= material.alpha_cutoff ? 1 : 0);
 }
 
-std::optional<ArrivingLight> Lights::punctual(size_t index, Vec3d point, const Place& place) const {
-  return std::visit(Arrival{point, place}, punctual_[index]);
+std::optional<ArrivingLight> Lights::punctual(size_t index, Vec3d point, float time, const Place& place) const {
+  const Punctual& one = punctual_[index];
+  if (!one.at) return std::visit(Arrival{point, place}, one.light);
+  return std::visit(Arrival{point, place}, one.at(static_cast<double>(time)));
 }
 
 std::optional<ArrivingLight> Lights::area(Vec3d point, float time, const std::array<float, 3>& sample) const {

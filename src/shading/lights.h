@@ -34,16 +34,12 @@ struct ArrivingLight {
 /// Reads the shot, the looks and the sky, which must outlive it. Safe to use from many threads at once.
 class Lights {
  public:
-  /// Light in a scene without any: see docs/command-line.md.
-  static constexpr float kDefaultAmbient = 0.4f;     ///< radiance of the environment
-  static constexpr float kDefaultIrradiance = 2.2f;  ///< of a light from behind the camera's left shoulder
-
   Lights(const Shot& shot, const Looks& looks, const Sky& sky);
 
   /// Point, spot and directional lights.
   size_t punctual_count() const { return punctual_.size(); }
-  /// Nothing where the light does not reach.
-  std::optional<ArrivingLight> punctual(size_t index, Vec3d point, const Place& place) const;
+  /// Where the light is at the time. Nothing where it does not reach.
+  std::optional<ArrivingLight> punctual(size_t index, Vec3d point, float time, const Place& place) const;
 
   /// Meshes whose emission is the same all over light others; those with an emission texture only glow.
   bool has_areas() const { return !areas_.empty(); }
@@ -76,7 +72,11 @@ class Lights {
   const Shot& shot_;
   const Looks& looks_;
   const Sky& sky_;
-  std::vector<Light> punctual_;
+  struct Punctual {
+    Light light;
+    std::function<Light(double)> at;  // null: it stands still
+  };
+  std::vector<Punctual> punctual_;
   std::vector<AreaTriangle> areas_;
   Vec3f environment_, background_;
 };

@@ -54,7 +54,7 @@ Vec3f Shader::normal(const Ray& ray, uint32_t mesh_index, uint32_t triangle, flo
 }
 
 Vec3f Shader::sky(const Ray& ray, float time) const {
-  if (!has_sky()) return shot_.background;
+  if (!has_sky()) return shot_.seen_background();
   const std::array<Vec3d, 3> axes = world_from_camera_.at(time);
   const Vec3d along = normalize(to_double(ray.direction));
   return shot_.background + sky_->radiance(axes[0] * along.x + axes[1] * along.y + axes[2] * along.z, cone_.spread());

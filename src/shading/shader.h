@@ -55,10 +55,11 @@ class Shader {
     return cut_outs_ ? cut_outs_->opacity(ray, mesh, triangle, time) : 1;
   }
 
-  /// What a camera ray sees that leaves the scene: the shot's background and, unless normals are shown, pictures of the
-  /// environment.
+  /// What a camera ray sees that leaves the scene: the shot's backdrop or else its background and, unless normals are
+  /// shown, pictures of the environment.
   Vec3f sky(const Ray& ray, float time) const;
-  bool has_sky() const { return kind_ != ShadingKind::normal && !sky_->empty(); }  ///< are there pictures?
+  /// Are pictures seen?
+  bool has_sky() const { return kind_ != ShadingKind::normal && !shot_.backdrop && !sky_->empty(); }
   bool sky_varies() const { return has_sky() && shot_.camera_moves; }  ///< may it look different at other instants?
 
   /// Where surfaces are missing or blended: for everything that traces rays through the shot. Null for nowhere.

@@ -181,7 +181,8 @@ Vec3f Whitted::direct(const Point& point, const Instant& instant, SampleKey key)
     colour += (shares.diffuse * static_cast<float>(1 / kPi) + shares.highlight * static_cast<float>(lobe)) *
               (light->irradiance * open * static_cast<float>(cosine));
   };
-  for (size_t i = 0; i < lights_.punctual_count(); ++i) add(lights_.punctual(i, point.position, instant.place));
+  for (size_t i = 0; i < lights_.punctual_count(); ++i)
+    add(lights_.punctual(i, point.position, instant.time, instant.place));
   if (lights_.has_areas()) add(lights_.area(point.position, instant.time, light_point(key.branch(kAreaBranch))));
   if (lights_.has_environment()) {
     const std::array<float, 3> sample = light_point(key.branch(kEnvironmentBranch));

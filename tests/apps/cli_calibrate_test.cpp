@@ -21,13 +21,13 @@ constexpr const char* kCheap = R"({"kairos_calibration": 1, "shading": "normal",
   {"discrete_sample": 100, "still_ray": 10, "tc_ray": {"1": 120, "4": 110, "16": 100}}})";
 
 TEST_F(CliCalibrate, WritesWhatRenderTakes) {
-  const CliResult result = run("calibrate scene.json -o c.json");
+  const CliResult result = run("calibrate scene.json -o c.json --shading normal");
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_NE(result.err.find("a discrete sample takes "), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("wrote c.json\n"), std::string::npos) << result.err;
   for (const std::string threads : {"1", "2"})
-    ASSERT_EQ(run("render scene.json --quiet --spp 64 --calibration c.json -o " + threads + ".exr --stats-file " +
-                  threads + ".json --threads " + threads)
+    ASSERT_EQ(run("render scene.json --quiet --spp 64 --shading normal --calibration c.json -o " + threads +
+                  ".exr --stats-file " + threads + ".json --threads " + threads)
                   .status,
               0);
   EXPECT_EQ(read_exr(path("1.exr")).find("R")->values, read_exr(path("2.exr")).find("R")->values);
@@ -43,7 +43,7 @@ TEST_F(CliCalibrate, WritesWhatRenderTakes) {
 
 TEST_F(CliCalibrate, ThePictureGoesByTheFile) {
   write("cheap.json", kCheap);
-  const std::string shot = "render scene.json --quiet --spp 128 --stats-file s.json ";
+  const std::string shot = "render scene.json --quiet --spp 128 --shading normal --stats-file s.json ";
   ASSERT_EQ(run(shot + "-o cheap.exr --calibration cheap.json").status, 0);
   const nlohmann::json cheap = stats("s.json").at("auto");
   EXPECT_GT(cheap.at("tc_pixels"), 0.1);

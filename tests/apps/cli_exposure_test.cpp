@@ -14,7 +14,8 @@ class CliExposure : public CliTest {
  protected:
   /// The stats of a rendering.
   json stats(const std::string& options) const {
-    const CliResult result = run("render scene.json -o out.exr --tc-rays 1 --fps 25 --stats-file s.json " + options);
+    const CliResult result =
+        run("render scene.json -o out.exr --tc-rays 1 --fps 25 --shading normal --stats-file s.json " + options);
     EXPECT_EQ(result.status, 0) << options << "\n" << result.err;
     log = result.err;
     return json::parse(read(path("s.json")), nullptr, false);

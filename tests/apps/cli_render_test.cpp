@@ -20,7 +20,9 @@ namespace {
 class CliRender : public CliTest {
  protected:
   Image render(const std::string& options) const {
-    const CliResult result = run("render scene.json -o out.exr --quiet " + options);
+    const bool shading = options.find("--shading") != std::string::npos;
+    const CliResult result =
+        run("render scene.json -o out.exr --quiet " + options + (shading ? "" : " --shading normal"));
     EXPECT_EQ(result.status, 0) << options << "\n" << result.err;
     EXPECT_EQ(result.err, "") << "--quiet";
     EXPECT_EQ(result.out, "");

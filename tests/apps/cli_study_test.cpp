@@ -70,10 +70,10 @@ TEST_F(CliStudy, MeasuresEverythingAndWritesThePage) {
 
 TEST_F(CliStudy, ItsNumbersAreThoseOfRenderAndCompare) {
   ASSERT_EQ(run(kSmall + "--methods owen-sobol,tc").status, 0);
-  ASSERT_EQ(
-      run("render scene.json -o tc.exr --size 32x20 --integrator tc --tc-rays 2 --shading-samples 8 --seed 2 --quiet")
-          .status,
-      0);
+  ASSERT_EQ(run("render scene.json -o tc.exr --size 32x20 --integrator tc --tc-rays 2 --shading-samples 8 --seed 2 "
+                "--shading normal --quiet")
+                .status,
+            0);
   const Image reference = read_exr(path("out/pictures/scene-normal-reference.exr"));
   const Difference expected = difference(reference, read_exr(path("tc.exr")), "tc.exr");
   const std::vector<study::Run> all = runs();
@@ -84,7 +84,10 @@ TEST_F(CliStudy, ItsNumbersAreThoseOfRenderAndCompare) {
   EXPECT_NEAR(found->error.psnr, expected.psnr, 1e-6);
   EXPECT_EQ(found->rays, 2u * 32 * 20);
   // The reference against a much better one.
-  ASSERT_EQ(run("render scene.json -o fine.exr --size 32x20 --integrator qmc --spp 8192 --seed 9 --quiet").status, 0);
+  ASSERT_EQ(
+      run("render scene.json -o fine.exr --size 32x20 --integrator qmc --spp 8192 --seed 9 --shading normal --quiet")
+          .status,
+      0);
   const double true_error = difference(read_exr(path("fine.exr")), reference, "reference").psnr;
   EXPECT_NEAR(data()["entries"][0]["reference_psnr"].get<double>(), true_error, 2) << "estimated by its halves";
 }
@@ -97,7 +100,10 @@ TEST_F(CliStudy, RowsAreThoseOfTheWholeFrame) {
     EXPECT_EQ(r.rays, static_cast<uint64_t>(r.setting.tc_rays) * 32 * 5) << "of these rows alone";
   const Image reference = read_exr(path("out/pictures/scene-normal-reference.exr"));
   // With the seed of the reference's first half; the same rows.
-  ASSERT_EQ(run("render scene.json -o whole.exr --size 32x20 --integrator qmc --spp 4096 --seed 9 --quiet").status, 0);
+  ASSERT_EQ(
+      run("render scene.json -o whole.exr --size 32x20 --integrator qmc --spp 4096 --seed 9 --shading normal --quiet")
+          .status,
+      0);
   const Image whole = read_exr(path("whole.exr"));
   ASSERT_EQ(reference.height, 5);
   double sum = 0;

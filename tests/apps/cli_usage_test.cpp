@@ -117,6 +117,13 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--half", ""},
                                                        {"--aov", "depth,normal,albedo,coverage,segments,mesh"},
                                                        {"--crop", "1,9,2,8"},
+                                                       {"--view", "filmic"},
+                                                       {"--exposure", "-1.5"},
+                                                       {"--lights", "studio"},
+                                                       {"--environment", "sky.exr"},
+                                                       {"--environment-rotation", "90 --environment sky.exr"},
+                                                       {"--environment-strength", "2 --environment sky.exr"},
+                                                       {"--background", "transparent"},
                                                        {"--filter", "blackman-harris"},
                                                        {"--integrator", "qmc"},
                                                        {"--tc-rays", "3"},
@@ -158,6 +165,9 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--json", ""}};
   const std::set<std::string> of_rays = {"--rays", "--all", "--occluded", "--window", "--max-dist"};
   write("rays.txt", "0 0 0 0 0 -1\n");
+  Image sky{2, 1, 0, 0, 2, 1, {}, {}};
+  for (const char* name : {"R", "G", "B"}) sky.channels.push_back({name, Channel::Storage::colour, {1, 2}});
+  write_image(sky, path("sky.exr"));
   const std::map<std::string, std::string> commands = {
       {"render", "scene.json -o a.exr --size 12x9 "}, {"query", "scene.json --rays - "}, {"info", "scene.json "}};
   for (const auto& [command, rest] : commands) {
@@ -171,6 +181,7 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
       ASSERT_TRUE(examples.contains(name)) << name;
       std::string arguments = rest;
       if (name == "--output") arguments = "scene.json --size 12x9 ";
+      if (name == "--view" || name == "--exposure") arguments = "scene.json -o a.png --size 12x9 ";
       if (name == "--frames") arguments = "scene.json -o f%d.exr --size 12x9 ";
       if (name == "--rays" || name == "--pixel") arguments = "scene.json ";
       if (name == "--interval-map")

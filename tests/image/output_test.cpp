@@ -240,5 +240,39 @@ TEST_F(Output, DamagedExrFilesAreRefused) {
   EXPECT_THROW(read_exr(path("a.exr"), 100), Error) << "over the limit";
 }
 
+TEST_F(Output, PngHasStraightAlphaAndColoursOfTheView) {
+  Image image{4, 1, 0, 0, 4, 1, {}, {}};
+  const auto add = [&](const char* name, std::vector<float> values) {
+    image.channels.push_back({name, Channel::Storage::colour, std::move(values)});
+  };
+  add("R", {0.25f, 0, 0.125f, 1});
+  add("G", {0, 0, 0.125f, 1});
+  add("B", {0, 0, 0.125f, 1});
+  add("A", {0.5f, 0, 1, 1.0f + 1e-6f});
+  write_image(image, path("a.png"));
+  const Image straight = read_image(path("a.png"));
+  const auto values = [&](const Image& read, const char* name) { return read.find(name)->values; };
+  ASSERT_NE(straight.find("A"), nullptr);
+  EXPECT_NEAR(values(straight, "A")[0], 128.0f / 255, 1e-6);
+  EXPECT_NEAR(values(straight, "R")[0], 0.5, 0.003) << "divided by its alpha";
+  EXPECT_EQ(values(straight, "A")[1], 0);
+  EXPECT_EQ(values(straight, "R")[1], 0);
+  EXPECT_EQ(values(straight, "A")[3], 1);
+  EXPECT_EQ(values(straight, "R")[3], 1);
+
+  WriteOptions options;
+  options.view = ViewTransform::filmic;
+  options.exposure = 1;
+  write_image(image, path("b.png"), options);
+  const Image seen = read_image(path("b.png"));
+  EXPECT_NEAR(values(seen, "G")[2], 0.25, 0.003);
+  EXPECT_NEAR(values(seen, "R")[3], 1 - 0.09 / 1.6, 0.004) << "radiance 2 on the shoulder";
+  write_image(image, path("a.exr"), options);
+  EXPECT_EQ(values(read_image(path("a.exr")), "R"), image.channels[0].values) << "EXR holds what was rendered";
+  EXPECT_EQ(values(read_image(path("a.exr")), "A"), image.channels[3].values);
+  options.exposure = 101;
+  EXPECT_THROW(write_image(image, path("c.png"), options), Error);
+}
+
 }  // namespace
 }  // namespace kairos

@@ -97,6 +97,11 @@ const std::vector<Flaw>& flaws() {
       {"light 3", [](Shot& s) { std::get<ConstantLight>(s.lights[3]).radiance.x = kNan; }},
       {"light 4", [](Shot& s) { std::get<EnvironmentLight>(s.lights[4]).axes[1].y = std::nan(""); }},
       {"background", [](Shot& s) { s.background.x = kNan; }},
+      {"backdrop",
+       [](Shot& s) {
+         s.backdrop = Vec3f{0, kNan, 0};
+       }},
+      {"moving lights", [](Shot& s) { s.moving_lights.resize(s.lights.size() + 1); }},
       {"projection", [](Shot& s) { s.projection.vfov = 0; }},
       {"projection", [](Shot& s) { s.projection.vfov = std::nan(""); }},
       {"projection", [](Shot& s) { s.projection.width = 0; }},

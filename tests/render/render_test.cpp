@@ -214,7 +214,8 @@ TEST(Render, StatsCountWhatWasDone) {
 }
 
 TEST(Render, ARendererGivesThePicturesOfItsShotInAnyOrder) {
-  const Shot shot = shot_of({bar(3, 7, 2, 5), bar(9, 19, 8, 20, 12, 2)});
+  Shot shot = shot_of({bar(3, 7, 2, 5), bar(9, 19, 8, 20, 12, 2)});
+  shot.lights = {ConstantLight{{0.5f, 0.5f, 0.5f}}};
   std::vector<RenderParams> all;
   for (const IntegratorKind integrator : kAll)
     for (const ShadingKind shading : {ShadingKind::flat, ShadingKind::whitted}) {

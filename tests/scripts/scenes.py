@@ -47,7 +47,7 @@ for name in names:
     moving = [mesh for mesh in info["meshes"] if len(mesh["key_times"]) > 1]
     if bool(moving) == (name == "still"):
         sys.exit(f"{name}: {len(moving)} of {len(info['meshes'])} meshes move")
-    shot = [scene, "--size", SIZE, "--quiet"]
+    shot = [scene, "--size", SIZE, "--shading", "normal", "--quiet"]
     run(kairos, "render", *shot, "-o", out / "tc.exr", "--integrator", "tc", "--tc-rays", "64")
     run(kairos, "render", *shot, "-o", out / "qmc.exr", "--integrator", "qmc", "--spp", "256")
     psnr = float(re.search(r"PSNR ([\d.]+)", run(kairos, "compare", out / "qmc.exr", out / "tc.exr"))[1])

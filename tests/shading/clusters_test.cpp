@@ -25,6 +25,7 @@ Shot flying_ball(bool smooth, Material::AlphaMode mode = Material::AlphaMode::op
   shot.materials = {lambert({0.9f, 0.5f, 0.3f}), lambert({0.4f, 0.4f, 0.5f})};
   shot.materials[0].alpha_mode = mode;
   shot.materials[0].alpha = mode == Material::AlphaMode::blend ? 0.6f : 1.0f;
+  shot.lights = {ConstantLight{{0.4f, 0.4f, 0.4f}}, DirectionalLight{normalize(Vec3f{0.5f, -0.7f, -1}), {2, 2, 2}}};
   shot.meshes = {ball({-1, 0, -4}, 1.1f, 24, 0), parallelogram({-1, -3, -6}, {4, 0, 0}, {0, 6, 0}, 1)};
   Mesh& mesh = shot.meshes[0];
   mesh.positions.push_back(mesh.positions[0]);

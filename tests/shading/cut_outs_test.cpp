@@ -150,7 +150,8 @@ TEST(CutOuts, APictureOfTheAlphaAloneGoesBeforeTheBaseColours) {
 }
 
 TEST(CutOuts, AllIntegratorsSeeThroughTheSameHole) {
-  const Shot shot = leaf_shot(0.7f);
+  Shot shot = leaf_shot(0.7f);
+  shot.lights = {ConstantLight{{0.4f, 0.4f, 0.4f}}, DirectionalLight{normalize(Vec3f{0.5f, -0.7f, -1}), {2, 2, 2}}};
   const auto blue = [&](IntegratorKind kind, ShadingKind shading) {
     RenderParams params;
     params.integrator = kind;

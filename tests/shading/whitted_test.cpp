@@ -294,15 +294,54 @@ TEST(Whitted, LightsStayWhereTheyAreWhenTheCameraMoves) {
   EXPECT_GT(expected.x, 0.05f);
 }
 
-TEST(Whitted, ASceneWithoutLightGetsSome) {
+TEST(Whitted, AShotWithoutLightIsDark) {
   const Shot shot = floor_shot({1, 1, 1});
-  const Vec3f colour = seen(shot, kDown, 64);
-  // All of the sky, and the lamp at its cosine.
-  const double cosine = 0.7 / std::sqrt(0.25 + 0.49 + 1);
-  EXPECT_NEAR(colour.x, Lights::kDefaultAmbient + Lights::kDefaultIrradiance / M_PI * cosine, 1e-4);
-  Shot lit = shot;
-  lit.lights = {PointLight{{0, 9, 0}, {0, 0, 1}}};
-  EXPECT_EQ(seen(lit, kDown).x, 0);
+  EXPECT_EQ(seen(shot, kDown, 4), Vec3f{});
+}
+
+TEST(Whitted, LightsThatMoveAreWhereTheyAreAtTheRaysTime) {
+  const auto at = [](double time) {
+    const auto x = static_cast<float>(8 * time - 4);
+    return std::vector<Light>{PointLight{{x, 3, -2}, {10, 20, 30}},
+                              SpotLight{{x, 4, 0}, normalize(Vec3f{1 - x, -5, -2}), {9, 9, 9}, 0.95f, 0.5f},
+                              DirectionalLight{normalize(Vec3f{x, -2, 0.5f}), {1, 1, 1}}};
+  };
+  for (const size_t which : {0u, 1u, 2u}) {
+    Shot moving = floor_shot();
+    moving.meshes.push_back(box({0.5f, 0, -4}, {1.2f, 1, -3}, 0));  // whose shadow wanders
+    Shot still = moving;
+    moving.lights = {at(0)[which]};
+    moving.moving_lights = {[&](double time) { return at(time)[which]; }};
+    for (const double time : {0.0, 0.25, 0.5, 1.0}) {
+      still.lights = {at(time)[which]};
+      const auto when = static_cast<float>(time);
+      EXPECT_EQ(seen(moving, kDown, 1, 8, when), seen(still, kDown, 1, 8, when)) << which << ' ' << time;
+    }
+    EXPECT_NE(seen(moving, kDown, 1, 8, 0.25f), seen(moving, kDown, 1, 8, 0.5f)) << which;
+  }
+}
+
+TEST(Whitted, EveryIntegratorSeesTheMeanOfALightThatMoves) {
+  // From where it is lit straight from above to where it is lit at a slant: the mean of 1 / (1 + 9 t^2)^(3/2).
+  Shot shot = floor_shot({1, 1, 1});
+  shot.projection.width = shot.projection.height = 1;
+  shot.projection.vfov = 1e-3;
+  shot.meshes = {parallelogram({-10, -10, -1}, {20, 0, 0}, {0, 20, 0}, 0)};
+  shot.lights = {PointLight{{0, 0, 0}, {M_PI, M_PI, M_PI}}};
+  shot.moving_lights = {[](double time) {
+    return Light(PointLight{{static_cast<float>(3 * time), 0, 0}, {M_PI, M_PI, M_PI}});
+  }};
+  const double mean = 1 / std::sqrt(10.0);  // of the integral's t / sqrt(1 + 9 t^2)
+  for (const IntegratorKind kind :
+       {IntegratorKind::tc, IntegratorKind::qmc, IntegratorKind::mixed, IntegratorKind::automatic}) {
+    RenderParams params;
+    params.integrator = kind;
+    params.shading = ShadingKind::whitted;
+    params.tc_rays = 64;
+    params.shading_samples = 16;
+    params.spp = 1024;
+    EXPECT_NEAR(render(shot, params).find("R")->values[0], mean, 2e-3) << static_cast<int>(kind);
+  }
 }
 
 TEST(Whitted, PicturesAreTheSameForAnyNumberOfThreadsAndAnyCrop) {

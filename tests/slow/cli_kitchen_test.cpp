@@ -24,10 +24,9 @@ class Kitchen : public CliTest {
 
 TEST_F(Kitchen, RendersInSixHundredBytesPerTriangle) {
   for (const char* integrator : {"tc --tc-rays 1", "qmc --spp 1"}) {
-    const CliResult result = run(
-        std::string(
-            "render kitchen/scene.json -o picture.exr --size 240x135 --quiet --stats-file stats.json --integrator ") +
-        integrator);
+    const CliResult result = run(std::string("render kitchen/scene.json -o picture.exr --size 240x135 --shading normal "
+                                             "--quiet --stats-file stats.json --integrator ") +
+                                 integrator);
     ASSERT_EQ(result.status, 0) << result.err;
     const auto stats = nlohmann::json::parse(read(path("stats.json")));
     EXPECT_GT(stats.at("triangles").get<double>(), 1.4e6);

@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -56,13 +57,11 @@ class SceneReader {
     play_animations(document_, options_.animation, *graph, scene_, warnings_);
     graph_ = std::move(graph);
     read_materials(document_, scene_, warnings_);
-    std::vector<int> lit;
     for (const SeenNode& node : nodes_of_scene()) {
       if (node.is_visible) add_meshes(node.index);
       add_camera(node.index);
-      if (node.is_visible) lit.push_back(node.index);
+      if (node.is_visible) add_light(node.index);
     }
-    add_lights(lit);
     scene_.warnings = warnings_.lines();
     return std::move(scene_);
   }
@@ -204,16 +203,14 @@ class SceneReader {
     scene_.cameras.push_back(std::move(camera));
   }
 
-  void add_lights(const std::vector<int>& nodes) {
-    if (document_.model.lights.empty()) return;
-    std::vector<Mat4> world;
+  void add_light(int node) {
+    const std::optional<Light> light = read_light(document_, node, warnings_);
+    if (!light) return;
+    scene_.brings_lights = true;
     constexpr double kEver = std::numeric_limits<double>::infinity();
-    for (int node : nodes) {
-      world.push_back(graph_->world_at_rest(node));
-      if (document_.model.nodes[static_cast<size_t>(node)].light >= 0 && !graph_->is_static(node, -kEver, kEver))
-        warnings_.add(at("nodes", static_cast<size_t>(node)), "a light that moves is kept where it is at rest");
-    }
-    scene_.lights = read_lights(document_, nodes, world, warnings_);
+    if (!graph_->is_static(node, -kEver, kEver))
+      scene_.moving_lights[scene_.lights.size()] = {*light, std::make_shared<const NodeMotion>(graph_, node)};
+    scene_.lights.push_back(placed(*light, graph_->world_at_rest(node)));
   }
 
   const LoadOptions& options_;

@@ -147,7 +147,7 @@ void MeshMotion::tangents(double time, Side side, std::span<Vec4f> out) const {
   });
 }
 
-std::vector<double> CameraMotion::kinks(double open, double close) const {
+std::vector<double> NodeMotion::kinks(double open, double close) const {
   std::vector<double> result;
   graph_->add_kinks(node_, open, close, result);
   sort_unique(result);
@@ -155,7 +155,7 @@ std::vector<double> CameraMotion::kinks(double open, double close) const {
 }
 
 Mat4 CameraMotion::at(double time, Side side) const {
-  const Mat4 world = graph_->world(node_, time, side);
+  const Mat4 world = NodeMotion::at(time, side);
   const Vec3d eye{world.m[3][0], world.m[3][1], world.m[3][2]};
   const Vec3d back{world.m[2][0], world.m[2][1], world.m[2][2]}, up{world.m[1][0], world.m[1][1], world.m[1][2]};
   return look_at(eye, eye - normalize(back), up);

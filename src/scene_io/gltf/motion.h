@@ -67,17 +67,24 @@ class MeshMotion final : public VertexMotion {
   bool mirrors_ = false;
 };
 
-/// A camera: the node's place and directions without scale, mirroring or shear. Looks along the node's -z.
-class CameraMotion final : public TransformMotion {
+/// Whatever a node carries, with the node's scale.
+class NodeMotion : public TransformMotion {
  public:
-  CameraMotion(std::shared_ptr<const NodeGraph> graph, int node) : graph_(std::move(graph)), node_(node) {}
+  NodeMotion(std::shared_ptr<const NodeGraph> graph, int node) : graph_(std::move(graph)), node_(node) {}
   bool is_static(double open, double close) const override { return graph_->is_static(node_, open, close); }
   std::vector<double> kinks(double open, double close) const override;
-  Mat4 at(double time, Side side) const override;
+  Mat4 at(double time, Side side) const override { return graph_->world(node_, time, side); }
 
  private:
   std::shared_ptr<const NodeGraph> graph_;
   int node_;
+};
+
+/// A camera: the node's place and directions without scale, mirroring or shear. Looks along the node's -z.
+class CameraMotion final : public NodeMotion {
+ public:
+  using NodeMotion::NodeMotion;
+  Mat4 at(double time, Side side) const override;
 };
 
 }  // namespace kairos::gltf

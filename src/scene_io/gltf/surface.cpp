@@ -107,35 +107,26 @@ SceneCamera read_camera(const Document& document, size_t index) {
   return camera;
 }
 
-std::vector<Light> read_lights(const Document& document, const std::vector<int>& nodes, const std::vector<Mat4>& world,
-                               Warnings& warnings) {
-  std::vector<Light> result;
+std::optional<Light> read_light(const Document& document, int node, Warnings& warnings) {
+  const int number = document.model.nodes[static_cast<size_t>(node)].light;
+  if (number == -1) return std::nullopt;
+  const std::string where = at("nodes", static_cast<size_t>(node));
   const auto& lights = document.model.lights;
-  for (size_t i = 0; i < nodes.size(); ++i) {
-    const int number = document.model.nodes[static_cast<size_t>(nodes[i])].light;
-    if (number == -1) continue;
-    const std::string where = at("nodes", static_cast<size_t>(nodes[i]));
-    if (static_cast<size_t>(number) >= lights.size())
-      document.fail(where, fmt::format("names a light that does not exist: there are {}", lights.size()));
-    const file::Light& light = lights[static_cast<size_t>(number)];
-    const Vec3f radiometric = color(light.color, light.intensity, kLargest);
-    const Mat4& m = world[i];
-    if (light.type == "point") {
-      result.push_back(PointLight{to_float({m.m[3][0], m.m[3][1], m.m[3][2]}), radiometric});
-    } else if (light.type == "directional") {
-      result.push_back(DirectionalLight{to_float(normalize(transform_vector(m, {0, 0, -1}))), radiometric});
-    } else if (light.type == "spot") {
-      const double inner = light.innerConeAngle, outer = light.outerConeAngle;
-      if (!(inner >= 0 && inner <= outer && outer <= kQuarterTurn))
-        document.fail(where, "its light's cone angles make no sense");
-      result.push_back(SpotLight{to_float({m.m[3][0], m.m[3][1], m.m[3][2]}),
-                                 to_float(normalize(transform_vector(m, {0, 0, -1}))), radiometric,
-                                 static_cast<float>(std::cos(inner)), static_cast<float>(std::cos(outer))});
-    } else {
-      warnings.add(where, "a light of type '" + printable(light.type) + "' is left out");
-    }
+  if (static_cast<size_t>(number) >= lights.size())
+    document.fail(where, fmt::format("names a light that does not exist: there are {}", lights.size()));
+  const file::Light& light = lights[static_cast<size_t>(number)];
+  const Vec3f radiometric = color(light.color, light.intensity, kLargest);
+  constexpr Vec3f kAlong{0, 0, -1};
+  if (light.type == "point") return PointLight{{}, radiometric};
+  if (light.type == "directional") return DirectionalLight{kAlong, radiometric};
+  if (light.type == "spot") {
+    const double inner = light.innerConeAngle, outer = light.outerConeAngle;
+    if (!(inner >= 0 && inner <= outer && outer <= kQuarterTurn))
+      document.fail(where, "its light's cone angles make no sense");
+    return SpotLight{{}, kAlong, radiometric, static_cast<float>(std::cos(inner)), static_cast<float>(std::cos(outer))};
   }
-  return result;
+  warnings.add(where, "a light of type '" + printable(light.type) + "' is left out");
+  return std::nullopt;
 }
 
 }  // namespace kairos::gltf

@@ -1,7 +1,7 @@
 // Materials, lights and cameras of a glTF document.
 #pragma once
 
-#include <vector>
+#include <optional>
 
 #include "scene/scene.h"
 #include "scene_io/gltf/document.h"
@@ -15,8 +15,7 @@ void read_materials(Document& document, Scene& scene, Warnings& warnings);
 /// The lens of a camera; its motion and name are the caller's. Throws Error for one that sees nothing.
 SceneCamera read_camera(const Document& document, size_t index);
 
-/// The lights of `nodes` in the order given. They do not move: `world[i]` places nodes[i].
-std::vector<Light> read_lights(const Document& document, const std::vector<int>& nodes, const std::vector<Mat4>& world,
-                               Warnings& warnings);
+/// The light that a node carries, in the node's own space; nothing where it carries none that is known.
+std::optional<Light> read_light(const Document& document, int node, Warnings& warnings);
 
 }  // namespace kairos::gltf

@@ -36,8 +36,10 @@ class NativeReader {
     // What is cheap to check comes before files are read.
     read_camera_and_image();
     read_materials();
-    if (const auto lights = root_.find("lights"))
+    if (const auto lights = root_.find("lights")) {
+      scene_.brings_lights = true;  // an empty list says that there are none
       for (const JsonNode& light : lights->items()) scene_.lights.push_back(read_light(light, picture_finder()));
+    }
     read_includes();
     if (const auto background = root_.find("background")) scene_.background = background->color();
     if (const auto meshes = root_.find("meshes"))
@@ -118,6 +120,8 @@ class NativeReader {
     // Lights and cameras of a file describe it by itself; where its meshes go as a part of something else, they stay.
     scene.cameras.clear();
     scene.lights.clear();
+    scene.moving_lights.clear();
+    scene.brings_lights = false;
     const TransformKeys transform = read_transform(*given);
     for (SceneMesh& mesh : scene.meshes) {
       if (transform.mirrors())

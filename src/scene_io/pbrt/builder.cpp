@@ -111,10 +111,12 @@ void Builder::object_instance(const std::string& name, const Place& place) {
 }
 
 void Builder::area_light(const std::string& kind, const Parameters& parameters) {
+  scene_.brings_lights = true;
   now_.light = std::make_shared<const AreaLight>(read_area_light(kind, parameters, textures.spectrum()));
 }
 
 void Builder::light(const std::string& kind, const Parameters& parameters) {
+  scene_.brings_lights = true;
   if (object_) {
     warnings.add(parameters.place(), "a light inside of an object is left out");
     return;
