@@ -96,12 +96,13 @@ void lend_studio(Shot& shot, const ShotOptions& options, const SceneCamera& came
 
 Light placed(const Light& light, const Mat4& world_from_light) { return std::visit(Placer{world_from_light}, light); }
 
-void light_shot(Shot& shot, const Scene& scene, const ShotOptions& options, const SceneCamera& camera,
-                const View& view, MemoryBudget& budget) {
+void light_shot(Shot& shot, const Scene& scene, const ShotOptions& options, const SceneCamera& camera, const View& view,
+                MemoryBudget& budget) {
   const bool own = options.lights == LightChoice::file || options.lights == LightChoice::automatic;
   if (own) {
     add_lights_of(shot, scene, view.window(), !options.environment);
-    if (options.textures) shot.light_textures = load_light_textures(scene, shot.lights, options.strict, budget, shot.notes);
+    if (options.textures)
+      shot.light_textures = load_light_textures(scene, shot.lights, options.strict, budget, shot.notes);
   }
   if (options.environment && options.textures) add_environment(shot, *options.environment);
   const bool lacking = options.lights == LightChoice::automatic && !scene.brings_lights && !options.environment;

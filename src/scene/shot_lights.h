@@ -11,7 +11,7 @@ namespace kairos {
 /// its meshes and materials already. camera: from where the view looks. budget: of the
 /// scene's pictures. Throws Error for an environment that cannot be
 /// used.
-void light_shot(Shot& shot, const Scene& scene, const ShotOptions& options, const SceneCamera& camera,
-                const View& view, MemoryBudget& budget);
+void light_shot(Shot& shot, const Scene& scene, const ShotOptions& options, const SceneCamera& camera, const View& view,
+                MemoryBudget& budget);
 
 }  // namespace kairos
