@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <kairos/animations.h>
+#include <kairos/printable.h>
 
 #include "arguments.h"
 #include "commands.h"
@@ -55,7 +56,7 @@ std::vector<std::string> absent_pictures(const SceneContents& scene) {
           &material.alpha_texture, &material.normal_texture}) {
       std::error_code failure;
       if (!texture->empty() && !inside.count(texture->picture) && !std::filesystem::exists(texture->picture, failure))
-        absent.insert(texture->picture);
+        absent.insert(printable(texture->picture, std::string::npos));
     }
   return {absent.begin(), absent.end()};
 }

@@ -12,7 +12,7 @@ using CliHostile = CliTest;
 
 TEST_F(CliHostile, ALogThatCannotBeWrittenCostsNoPicture) {
   const std::string render = "render scene.json -o a.exr --size 8x8 --spp 4 ";
-  for (const std::string& log : {"2>/dev/full", "2>&-"}) {
+  for (const std::string log : {"2>/dev/full", "2>&-"}) {
     EXPECT_EQ(run(render + log).status, 0) << log;
     EXPECT_TRUE(exists("a.exr"));
     std::filesystem::remove(path("a.exr"));
@@ -37,7 +37,7 @@ TEST_F(CliHostile, WhatNamesHoldReachesNoTerminal) {
       "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
       "textures": [{"source": 0}], "images": [{"uri": "%1b%5b31m%0d%0aforged.png"}],
       "accessors": [{"componentType": 5126, "count": 3, "type": "VEC3"}]})");
-  for (const std::string& arguments : {"info evil.gltf", "render evil.gltf -o a.png --size 4x4 --spp 1"}) {
+  for (const char* arguments : {"info evil.gltf", "render evil.gltf -o a.png --size 4x4 --spp 1"}) {
     const CliResult result = run(arguments);
     for (const std::string& text : {result.out, result.err}) {
       EXPECT_EQ(text.find('\x1b'), text.npos) << arguments;

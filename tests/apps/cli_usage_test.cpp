@@ -141,6 +141,8 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--animation", "0"},
                                                        {"--gltf-scene", "0"},
                                                        {"--strict", ""},
+                                                       {"--root", "."},
+                                                       {"--memory-budget", "500"},
                                                        {"--camera", "0"},
                                                        {"--frame", "0"},
                                                        {"--frames", "0-1"},

@@ -70,7 +70,7 @@ TEST(JsonText, AFieldThatComesTwice) {
 }
 
 TEST(JsonText, WhatIsNoneIsOneLineWithItsPlace) {
-  for (const std::string& text : {"", "[1, 2", "{\"a\" 1}", "[1] 2", "{a: 1}", "[01]", "[\"\x80\"]", "nul", "[1e999]"})
+  for (const char* text : {"", "[1, 2", "{\"a\" 1}", "[1] 2", "{a: 1}", "[01]", "[\"\x80\"]", "nul", "[1e999]"})
     expect_error([&] { JsonText(text, "x.json"); }, {"x.json", "is not valid JSON"});
   expect_error([] { JsonText("[1,\n 2,\n x]", "x.json"); }, {"line 3"});
 }

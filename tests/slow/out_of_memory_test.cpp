@@ -32,7 +32,7 @@ class OutOfMemory : public CliTest {
 
 TEST_F(OutOfMemory, AnyLimitIsOneLineAndStatusOne) {
   std::mt19937 random(test::seed());
-  for (const std::string& arguments :
+  for (const std::string arguments :
        {"info nodes.gltf", "render scene.json -o a.exr --size 200x200 --spp 4 --quiet --threads 2",
         "render scene.json -o a.exr --size 64x64 --integrator qmc --spp 4 --quiet"}) {
     const size_t starts = enough_for("--version"), enough = enough_for(arguments);
