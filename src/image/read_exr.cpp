@@ -5,6 +5,8 @@
 #include <cstring>
 #include <limits>
 #include <stdexcept>
+#include <string_view>
+#include <utility>
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfDoubleAttribute.h>
@@ -103,11 +105,13 @@ class HeaderWalk {
   bool next() {
     constexpr int kMostAttributes = 10000;
     for (int i = 0;; ++i) {
-      if (text_length() == 0) return i > 0;  // the attribute's name
-      text_length();                         // its kind
+      if (text().empty()) return i > 0;  // the attribute's name
+      const std::string_view kind = text();
       const uint32_t size = word();
-      if (i == kMostAttributes || size > bytes_.size() - position_) fail();
-      position_ += size;
+      if (i == kMostAttributes || size > bytes_.size() - position_ || !has_its_size(kind, size)) fail();
+      const size_t end = position_ + size;
+      if (kind == "chlist") pass_channels(end);
+      position_ = end;
     }
   }
 
@@ -124,12 +128,53 @@ class HeaderWalk {
     return value;
   }
 
-  size_t text_length() {
+  /// The library reads as much of these as they always have, whatever the size that is given: what it took for the next
+  /// attribute would be another than here.
+  static bool has_its_size(std::string_view kind, uint32_t size) {
+    constexpr std::pair<std::string_view, uint32_t> kSizes[] = {{"box2f", 16},
+                                                                {"box2i", 16},
+                                                                {"chromaticities", 32},
+                                                                {"compression", 1},
+                                                                {"deepImageState", 1},
+                                                                {"double", 8},
+                                                                {"envmap", 1},
+                                                                {"float", 4},
+                                                                {"int", 4},
+                                                                {"keycode", 28},
+                                                                {"lineOrder", 1},
+                                                                {"m33d", 72},
+                                                                {"m33f", 36},
+                                                                {"m44d", 128},
+                                                                {"m44f", 64},
+                                                                {"rational", 8},
+                                                                {"tiledesc", 9},
+                                                                {"timecode", 8},
+                                                                {"v2d", 16},
+                                                                {"v2f", 8},
+                                                                {"v2i", 8},
+                                                                {"v3d", 24},
+                                                                {"v3f", 12},
+                                                                {"v3i", 12}};
+    return std::all_of(std::begin(kSizes), std::end(kSizes),
+                       [&](const auto& known) { return known.first != kind || known.second == size; });
+  }
+
+  /// Names, each with 16 bytes, and an empty one just before `end`.
+  void pass_channels(size_t end) {
+    constexpr size_t kChannel = 16;
+    while (!text().empty()) {
+      if (position_ > end || end - position_ < kChannel) fail();
+      position_ += kChannel;
+    }
+    if (position_ != end) fail();
+  }
+
+  std::string_view text() {
     const auto* const begin = bytes_.data() + position_;
     const auto* const end = static_cast<const uint8_t*>(std::memchr(begin, 0, bytes_.size() - position_));
     if (end == nullptr) fail();
     position_ += static_cast<size_t>(end - begin) + 1;
-    return static_cast<size_t>(end - begin);
+    return {reinterpret_cast<const char*>(begin), static_cast<size_t>(end - begin)};
   }
 
   std::span<const uint8_t> bytes_;
