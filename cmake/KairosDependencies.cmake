@@ -21,4 +21,6 @@ add_library(WebP::webp UNKNOWN IMPORTED)
 set_target_properties(WebP::webp PROPERTIES IMPORTED_LOCATION ${WEBP_LIBRARY}
   INTERFACE_INCLUDE_DIRECTORIES ${WEBP_INCLUDE_DIR})
 
+find_library(ZSTD_LIBRARY zstd REQUIRED)
+find_path(ZSTD_INCLUDE_DIR zstd.h REQUIRED)
 find_path(STB_INCLUDE_DIR stb/stb_image_write.h REQUIRED)

@@ -93,6 +93,14 @@ void add_real(CLI::App& app, const std::string& name, const std::string& help, c
       ->type_name(type);
 }
 
+void add_shutter(CLI::App& app, std::optional<ShutterInterval>& out) {
+  app.add_option_function<std::string>(
+         "--shutter", [&out](const std::string& text) { out = parse_shutter("--shutter", text); },
+         "When the shutter opens and closes, or for how long it is open, in frames; or with a unit: f, s, ms, us, ns, "
+         "deg, %, or 1/250s")
+      ->type_name("OPEN,CLOSE|LENGTH[@OPEN]");
+}
+
 void add_scene_arguments(CLI::App& app, SceneArguments& out) {
   constexpr double kMostTolerance = 1e6;  // pixels
   constexpr int kMostSide = 65536;        // pixels, as render() has it
@@ -122,11 +130,7 @@ void add_scene_arguments(CLI::App& app, SceneArguments& out) {
     if (!(v > 0)) throw CLI::ValidationError("--fps", "must be above 0");
     out.shot.fps = v;
   });
-  app.add_option_function<std::string>(
-         "--shutter", [&](const std::string& text) { out.shutter = parse_shutter("--shutter", text); },
-         "When the shutter opens and closes, or for how long it is open, in frames; or with a unit: f, s, ms, us, ns, "
-         "deg, %, or 1/250s")
-      ->type_name("OPEN,CLOSE|LENGTH[@OPEN]");
+  add_shutter(app, out.shutter);
   app.add_option_function<std::string>(
          "--size",
          [&](const std::string& text) {

@@ -97,6 +97,9 @@ struct ShutterInterval {
   }
 };
 
+/// --shutter.
+void add_shutter(CLI::App& app, std::optional<ShutterInterval>& out);
+
 /// Which scene, and which stretch of its time: what every subcommand asks.
 struct SceneArguments {
   std::vector<std::string> paths;

@@ -18,5 +18,7 @@ void add_calibrate_command(CLI::App& app, Action& chosen);
 void add_query_command(CLI::App& app, Action& chosen);
 void add_info_command(CLI::App& app, Action& chosen);
 void add_compare_command(CLI::App& app, Action& chosen);
+void add_expose_command(CLI::App& app, Action& chosen, const std::string& command_line);
+void add_check_command(CLI::App& app, Action& chosen);
 
 }  // namespace kairos::cli

@@ -8,10 +8,12 @@
 
 #include <kairos/animations.h>
 #include <kairos/printable.h>
+#include <kairos/time_file.h>
 
 #include "arguments.h"
 #include "commands.h"
 #include "report.h"
+#include "time_arguments.h"
 
 namespace kairos::cli {
 
@@ -165,7 +167,48 @@ void print_text(const Loaded& loaded) {
   for (const std::string& warning : scene.warnings) fmt::print("warning: {}\n", warning);
 }
 
+/// A file of kairos render --time.
+bool holds_time(const std::vector<std::string>& paths) {
+  return paths.size() == 1 && (paths[0].ends_with(".ktime") || paths[0].ends_with(".ktime.part"));
+}
+
+void print_time_file(const std::string& path, bool as_json) {
+  const TimeFile file = TimeFile::open(path);
+  const TimeFrame& frame = file.picture().frame();
+  const TimeQuality quality = file.picture().quality();
+  const double pixels = static_cast<double>(frame.width) * frame.height;
+  const double bytes = static_cast<double>(file.info().bytes);
+  if (as_json) {
+    nlohmann::ordered_json json;
+    json["frame"] = {frame.frame_width, frame.frame_height};
+    json["crop"] = {frame.left, frame.left + frame.width, frame.top, frame.top + frame.height};
+    json["shutter"] = {frame.open, frame.close};
+    json["frame_time"] = frame.frame_time;
+    json["fps"] = frame.fps;
+    json["bytes"] = file.info().bytes;
+    json["tiles"] = file.info().tiles;
+    json["tiles_there"] = file.info().tiles_there;
+    json["finished"] = file.info().finished;
+    json["pieces"] = quality.pieces;
+    json["tolerance"] = quality.tolerance;
+    json["deviation"] = quality.deviation;
+    json["rounding"] = quality.rounding;
+    json["clamped"] = quality.clamped;
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  fmt::print("a picture over time, {}x{} pixels of a frame of {}x{}, {}; {:.1f} bytes and {:.1f} pieces a pixel\n",
+             frame.width, frame.height, frame.frame_width, frame.frame_height, megabytes(file.info().bytes),
+             bytes / pixels, static_cast<double>(quality.pieces) / pixels);
+  fmt::print("shutter {} to {} (scene time), the frame's time is {}, {} frames per second\n", frame.open, frame.close,
+             frame.frame_time, frame.fps);
+  fmt::print("{}\n", quality_text(quality));
+  if (!file.info().finished)
+    fmt::print("not finished: {} of {} tiles are there\n", file.info().tiles_there, file.info().tiles);
+}
+
 void run_info(const InfoArguments& arguments) {
+  if (holds_time(arguments.scene.paths)) return print_time_file(arguments.scene.paths[0], arguments.json);
   const Stopwatch loading;
   const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
   const Shot shot = make_shot(*scene, shot_options(arguments.scene, *scene));

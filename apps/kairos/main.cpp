@@ -1,5 +1,5 @@
-// The command line: kairos render|calibrate|query|info|compare|study. Exit status 0 on success, 1 on bad input or a
-// failed render, 2 on bad usage.
+// The command line: kairos render|expose|calibrate|query|info|compare|check|study. Exit status 0 on success, 1 on bad
+// input or a failed render, 2 on bad usage.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -57,10 +57,12 @@ int run(int argc, char** argv) {
   std::string command_line = "kairos";
   for (int i = 1; i < argc; ++i) command_line += " " + quoted(argv[i]);
   kairos::cli::add_render_command(app, chosen, command_line);
+  kairos::cli::add_expose_command(app, chosen, command_line);
   kairos::cli::add_calibrate_command(app, chosen);
   kairos::cli::add_query_command(app, chosen);
   kairos::cli::add_info_command(app, chosen);
   kairos::cli::add_compare_command(app, chosen);
+  kairos::cli::add_check_command(app, chosen);
   kairos::cli::add_study_command(app, chosen, command_line);
   try {
     app.parse(argc, argv);

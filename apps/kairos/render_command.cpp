@@ -7,7 +7,9 @@
 
 #include <kairos/error.h>
 #include <kairos/files.h>
+#include <kairos/picture.h>
 #include <kairos/render.h>
+#include <kairos/time_file.h>
 
 #include "arguments.h"
 #include "commands.h"
@@ -20,6 +22,7 @@
 #include "render_stats.h"
 #include "report.h"
 #include "sampling_arguments.h"
+#include "time_arguments.h"
 
 namespace kairos::cli {
 
@@ -29,7 +32,8 @@ struct RenderArguments {
   SceneArguments scene;
   SamplingArguments sampling;
   WriteOptions write;
-  std::string out, stats_file, command_line;  ///< names of files: with `frames`, of a sequence's
+  TimeArguments time;
+  std::string out, stats_file, command_line;  ///< names of files, or empty: with `frames`, of a sequence's
   std::optional<FrameRange> frames;
   std::optional<ViewTransform> view;  ///< unset: as the shading asks for
   LightArguments light;
@@ -54,8 +58,8 @@ uint64_t total_rays(const RenderParams& params, const Shot& shot) {
          static_cast<uint64_t>(per_pixel);
 }
 
-Image render_with_progress(const RenderArguments& arguments, const Shot& shot, const RenderParams& params,
-                           RenderStats& stats) {
+void render_with_progress(const RenderArguments& arguments, const Shot& shot, const RenderParams& params,
+                          std::span<PixelConsumer* const> consumers, RenderStats& stats) {
   std::unique_ptr<ProgressBar> bar;
   bool polling = false;
   const auto progress = [&](double fraction) {
@@ -66,9 +70,9 @@ Image render_with_progress(const RenderArguments& arguments, const Shot& shot, c
     return !interrupted();
   };
   try {
-    Image image = render(shot, params, &stats, progress);
+    Renderer(shot).render(params, consumers, &stats, progress);
     end_polling();
-    if (!interrupted()) return image;
+    if (!interrupted()) return;
   } catch (const Error& e) {
     if (e.code() != ErrorCode::cancelled) throw;
   }
@@ -88,14 +92,14 @@ struct Job {
 
 /// What decides the pixels of a sequence's frames.
 std::string mark_of(const RenderArguments& arguments) {
-  if (!arguments.frames) return "";
+  if (!arguments.frames && arguments.time.path.empty()) return "";
   std::vector<std::string> files = arguments.scene.paths;
   if (arguments.sampling.calibration != kDefaultCalibration) files.push_back(arguments.sampling.calibration);
   if (!arguments.sampling.exposure.map.empty()) files.push_back(arguments.sampling.exposure.map);
   if (arguments.light.environment) files.push_back(arguments.light.environment->path);
   return frame_mark(*arguments.command,
                     {"SCENE", "--output", "--frames", "--stats-file", "--calibration", "--environment",
-                     "--interval-map", "--threads", "--quiet"},
+                     "--interval-map", "--threads", "--quiet", "--time"},
                     files);
 }
 
@@ -144,7 +148,21 @@ void render_job(const RenderArguments& arguments, const Job& job, const std::str
     if (told.insert(note).second) log(arguments, "note: " + note);
 
   RenderStats stats;
-  Image image = render_with_progress(arguments, shot, params, stats);
+  std::optional<Picture> picture;
+  std::optional<TimeFileWriter> time;
+  std::vector<PixelConsumer*> consumers;
+  RenderParams of_rays = params;
+  if (!job.out.empty()) consumers.push_back(&picture.emplace(shot.projection, params));
+  if (!arguments.time.path.empty()) {
+    of_rays.exposure.reset();  // rays look at all of the time that the file holds
+    const FrameClock clock = clock_of(exposed.options, contents(scene));
+    time.emplace(arguments.time.path, shot, of_rays, TimeFileOptions{arguments.time.tolerance, clock, mark});
+    consumers.push_back(&*time);
+    if (time->tiles_before() > 0)
+      log(arguments, fmt::format("{} of {} tiles are in '{}.part' already", time->tiles_before(), time->tiles(),
+                                 arguments.time.path));
+  }
+  render_with_progress(arguments, shot, of_rays, consumers, stats);
   log(arguments,
       fmt::format("built in {:.2f} s, rendered {} rays in {:.2f} s ({}rays/s) on {} threads, {}", stats.build_seconds,
                   stats.rays, stats.render_seconds, with_unit(static_cast<double>(stats.rays) / stats.render_seconds),
@@ -152,12 +170,20 @@ void render_job(const RenderArguments& arguments, const Job& job, const std::str
                   stats.instruction_set ? fmt::format("instruction set {}", to_string(*stats.instruction_set))
                                         : std::string("Embree")));
 
-  image.attributes.push_back({"kairos:command_line", arguments.command_line});
-  if (!mark.empty()) image.attributes.push_back({kFrameMarkName, mark});
   const Stopwatch writing;
-  WriteOptions write = arguments.write;
-  write.view = arguments.view.value_or(shown_by_default(shot, arguments.sampling.params.shading));
-  write_interruptibly(image, job.out, write);
+  if (time) {
+    time->finish();
+    log(arguments, time_file_text(arguments.time.path));
+  }
+  if (picture) {
+    Image image = picture->take();
+    describe(image, shot, params, stats);
+    image.attributes.push_back({"kairos:command_line", arguments.command_line});
+    if (arguments.frames) image.attributes.push_back({kFrameMarkName, mark});
+    WriteOptions write = arguments.write;
+    write.view = arguments.view.value_or(shown_by_default(shot, arguments.sampling.params.shading));
+    write_interruptibly(image, job.out, write);
+  }
   timings.write = writing.seconds();
   if (!job.stats_file.empty()) {
     write_file(job.stats_file, stats_text(params, shot, stats, timings));
@@ -169,7 +195,7 @@ void run_render(RenderArguments& arguments) {
   const std::string mark = mark_of(arguments);
   const std::vector<Job> jobs = jobs_of(arguments, mark);
   for (const Job& job : jobs) {
-    check_writable_image(job.out);
+    if (!job.out.empty()) check_writable_image(job.out);
     if (!job.stats_file.empty()) check_writable(job.stats_file);
   }
   if (jobs.empty()) return;
@@ -186,13 +212,13 @@ void run_render(RenderArguments& arguments) {
     const size_t left = jobs.size() - i - 1;
     const double seconds = rendering.seconds() / static_cast<double>(i + 1) * static_cast<double>(left);
     const std::string outlook = left ? fmt::format("; {} of {}, {} left", i + 1, jobs.size(), clock_time(seconds)) : "";
-    log(arguments, fmt::format("wrote {}{}", jobs[i].out, outlook));
+    if (!jobs[i].out.empty()) log(arguments, fmt::format("wrote {}{}", jobs[i].out, outlook));
   }
 }
 
 void add_picture_options(CLI::App& app, RenderArguments& out) {
   RenderParams& params = out.sampling.params;
-  app.add_option("-o,--output", out.out, "The picture to write")->type_name("OUT.exr|OUT.png")->required();
+  app.add_option("-o,--output", out.out, "The picture to write")->type_name("OUT.exr|OUT.png");
   app.add_flag("--half", out.write.half, "16-bit colours in EXR (depth stays 32-bit)");
   app.add_option_function<std::string>(
          "--view", [&out](const std::string& text) { out.view = parse_choice<ViewTransform>("--view", text); },
@@ -244,6 +270,7 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
   arguments->command = &command;
   add_scene_arguments(command, arguments->scene);
   add_picture_options(command, *arguments);
+  add_time_options(command, arguments->time);
   add_exposure_options(command, arguments->sampling.exposure);
   add_light_options(command, arguments->light);
   add_sampling_options(command, arguments->sampling);
@@ -254,10 +281,12 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
           "--frames", [arguments](const std::string& text) { arguments->frames = parse_frames("--frames", text); },
           "Render these frames, each as with --frame; names of files then have %04d. Those that are there are skipped")
       ->type_name("A-B")
-      ->excludes("--frame");
+      ->excludes("--frame")
+      ->excludes("--time");
   command.add_flag("--quiet", arguments->quiet, "No log and no progress, errors only");
   command.callback([arguments, &chosen, &command] {
     choose_integrator(command, arguments->sampling.params);
+    if (arguments->out.empty() && arguments->time.path.empty()) throw CLI::RequiredError("--output");
     if (arguments->frames) {
       FrameName::check("--output", arguments->out);
       if (!arguments->stats_file.empty()) FrameName::check("--stats-file", arguments->stats_file);

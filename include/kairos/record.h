@@ -108,9 +108,11 @@ class KAIROS_API PixelConsumer {
   virtual ~PixelConsumer() = default;
   /// Asked once, before the first pixel.
   virtual RecordNeeds needs() const = 0;
-  /// Called once for every pixel of the crop, in no fixed order, for different pixels from different threads at once;
-  /// of one pixel, consumers are called one after the other in the order in which they were given. What it throws ends
-  /// the rendering.
+  /// Has it this pixel of the frame from before? What all consumers have is not rendered. Called from any thread.
+  virtual bool has([[maybe_unused]] int x, [[maybe_unused]] int y) const { return false; }
+  /// Called once for every pixel of the crop that is rendered, in no fixed order, for different pixels from different
+  /// threads at once; of one pixel, consumers are called one after the other in the order in which they were given.
+  /// What it throws ends the rendering.
   virtual void add(const PixelRecord& record) = 0;
 };
 

@@ -43,11 +43,14 @@ class WeightScan {
         const double begin = tile.begin[piece] * kTick, end = end_of(piece);
         const double from = std::max(begin, part.begin), to = std::min(end, part.end), length = to - from;
         const double at_from = part.from + (from - part.begin) * slope, at_to = part.from + (to - part.begin) * slope;
-        const double inverse = 1 / (end - begin);
-        // Where the overlap lies in the piece, 0 to 1.
-        const double place_from = (from - begin) * inverse, place_to = (to - begin) * inverse;
         const double weight = length * (at_from + at_to) / 2;
-        const double moment = length * (place_from * (2 * at_from + at_to) + place_to * (at_from + 2 * at_to)) / 6;
+        double moment = length * (at_from + 2 * at_to) / 6;  // of all of the piece
+        if (from != begin || to != end) {
+          // Where the overlap lies in the piece, 0 to 1.
+          const double inverse = 1 / (end - begin), first_place = (from - begin) * inverse,
+                       last_place = (to - begin) * inverse;
+          moment = length * (first_place * (2 * at_from + at_to) + last_place * (at_from + 2 * at_to)) / 6;
+        }
         sum += load_lanes(values.left[piece]) * static_cast<float>(weight) +
                load_lanes(values.step[piece]) * static_cast<float>(moment);
         if (end > part.end) break;  // the next part begins in this piece

@@ -137,8 +137,11 @@ void render_tiles(const Integrator& integrator, std::span<PixelConsumer* const> 
       const int top = crop.y0 + static_cast<int>(tile / static_cast<size_t>(columns)) * kTileSize;
       for (int y = top; y < std::min(top + kTileSize, crop.y1); ++y)
         for (int x = left; x < std::min(left + tile_width, crop.x1); ++x) {
-          const PixelRecord& record = worker->render_pixel(x, y, monitor);
-          for (PixelConsumer* consumer : consumers) consumer->add(record);
+          const auto has_it = [&](const PixelConsumer* consumer) { return consumer->has(x, y); };
+          if (consumers.empty() || !std::all_of(consumers.begin(), consumers.end(), has_it)) {
+            const PixelRecord& record = worker->render_pixel(x, y, monitor);
+            for (PixelConsumer* consumer : consumers) consumer->add(record);
+          }
           monitor.finish_pixel();
         }
     }

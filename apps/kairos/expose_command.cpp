@@ -1,0 +1,229 @@
+// kairos expose: pictures of a file that holds time. kairos check: is it whole?
+#include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include <kairos/error.h>
+#include <kairos/time_file.h>
+
+#include "arguments.h"
+#include "commands.h"
+#include "frames.h"
+#include "interrupt.h"
+#include "shutter_arguments.h"
+#include "time_arguments.h"
+
+namespace kairos::cli {
+
+namespace {
+
+struct ExposeArguments {
+  std::string file, out, command_line;
+  WriteOptions write;
+  std::optional<ShutterInterval> shutter;
+  ExposureArguments exposure;
+  std::optional<Duration> at;
+  std::optional<FrameRange> frames;
+  std::optional<double> fps;
+  int stack = 0;  ///< pictures; 0: none
+  bool coverage = false, quiet = false;
+  int threads = 0;
+};
+
+void log(const ExposeArguments& arguments, const std::string& line) {
+  if (!arguments.quiet) fmt::print(stderr, "{}\n", line);
+}
+
+/// Parts of the recorded time that rounding of times may make of what lies inside of it.
+constexpr double kInside = 1e-9;
+
+/// Throws Error(bad_input) where [open, close], scene time, leaves what the file holds: by how much, and what would
+/// cover it.
+void check_inside(const ExposeArguments& arguments, const TimeFrame& frame, double open, double close) {
+  const double slack = kInside * (frame.close - frame.open);
+  if (open >= frame.open - slack && close <= frame.close + slack) return;
+  const double first = (std::min(open, frame.open) - frame.frame_time) * frame.fps;
+  const double last = (std::max(close, frame.close) - frame.frame_time) * frame.fps;
+  throw Error(ErrorCode::bad_input, arguments.file,
+              fmt::format("holds {:.9g} s to {:.9g} s of the scene's time, and the exposure begins {:.6g} s before and "
+                          "ends {:.6g} s after that; render it again with --shutter {:.9g},{:.9g}",
+                          frame.open, frame.close, std::max(0.0, frame.open - open), std::max(0.0, close - frame.close),
+                          first, last));
+}
+
+/// A picture to make: of a shutter, or of an instant.
+struct Job {
+  std::string out;
+  double frame_time = 0;  ///< scene time from which the times below are counted
+  Shutter shutter;
+  std::optional<double> instant;
+};
+
+PixelWeights weights_of(const Exposure& exposure) {
+  const Shutter& shutter = exposure.shutter();
+  const bool rows = shutter.scan == Scan::top || shutter.scan == Scan::bottom;
+  const bool rolls = shutter.open_line != 0 || shutter.close_line != 0;
+  return {[exposure](int x, int y) { return exposure.weight(x, y); }, shutter.map != nullptr || (rolls && !rows),
+          shutter.map != nullptr || (rolls && rows)};
+}
+
+Image expose(const ExposeArguments& arguments, const TimePicture& picture, const Job& job,
+             const ExposeOptions& options) {
+  const TimeFrame& frame = picture.frame();
+  Image image;
+  if (job.instant || frame.open == frame.close) {
+    const double time = job.frame_time + job.instant.value_or(job.shutter.open);
+    check_inside(arguments, frame, time, time);
+    const double length = frame.close - frame.open;
+    image = picture.at(length > 0 ? std::clamp((time - frame.open) / length, 0.0, 1.0) : 0, options);
+    image.attributes.push_back({"kairos:instant", time});
+  } else {
+    const ExposureInterval whole = whole_interval(job.shutter, frame.frame_width, frame.frame_height);
+    check_inside(arguments, frame, job.frame_time + whole.open, job.frame_time + whole.close);
+    const Exposure exposure(job.shutter, job.frame_time, frame.frame_width, frame.frame_height, frame.open,
+                            frame.close);
+    image = picture.expose(weights_of(exposure), options);
+    const std::string text = shutter_text(job.shutter, frame.frame_width, frame.frame_height);
+    image.attributes.push_back({"kairos:exposed", text});
+    image.attributes.push_back({"kairos:exposure", std::array<double, 2>{job.shutter.open, job.shutter.close}});
+    image.attributes.push_back({"kairos:exposure_frame_time", job.frame_time});
+    image.attributes.push_back(
+        {"kairos:exposure_line", std::array<double, 2>{job.shutter.open_line, job.shutter.close_line}});
+    std::erase_if(image.attributes, [](const Attribute& attribute) { return attribute.name == "expTime"; });
+    image.attributes.push_back({"expTime", job.shutter.close - job.shutter.open});
+    if (!arguments.frames && arguments.stack == 0) log(arguments, text);
+  }
+  image.attributes.push_back({"kairos:exposed_with", arguments.command_line});
+  return image;
+}
+
+std::vector<Job> jobs_of(const ExposeArguments& arguments, const TimeFrame& frame) {
+  const auto shutter = [&](const std::array<double, 2>& interval, double fps) {
+    return shutter_of(arguments.exposure, interval, fps, frame.frame_width, frame.frame_height);
+  };
+  const auto seconds = [&](double fps) -> std::array<double, 2> {
+    const auto interval = arguments.shutter->in_frames(fps);
+    return {interval[0] / fps, interval[1] / fps};
+  };
+  const std::array<double, 2> all{frame.open - frame.frame_time, frame.close - frame.frame_time};
+  const double fps = arguments.fps.value_or(frame.fps);
+  if (arguments.at) return {{arguments.out, frame.frame_time, {}, arguments.at->in_seconds(fps)}};
+  std::vector<Job> jobs;
+  if (arguments.frames) {
+    const FrameName out("--output", arguments.out);
+    const std::array<double, 2> interval = arguments.shutter ? seconds(fps) : std::array<double, 2>{0, 0.5 / fps};
+    for (int i = arguments.frames->first; i <= arguments.frames->last; ++i)
+      jobs.push_back({out.at(i), i / fps, shutter(interval, fps), std::nullopt});
+  } else if (arguments.stack > 0) {
+    const FrameName out("--output", arguments.out);
+    const double step = (all[1] - all[0]) / arguments.stack;
+    for (int i = 0; i < arguments.stack; ++i)
+      jobs.push_back(
+          {out.at(i), frame.frame_time, shutter({all[0] + i * step, all[0] + (i + 1) * step}, fps), std::nullopt});
+  } else {
+    jobs.push_back(
+        {arguments.out, frame.frame_time, shutter(arguments.shutter ? seconds(fps) : all, fps), std::nullopt});
+  }
+  return jobs;
+}
+
+void run_expose(const ExposeArguments& arguments) {
+  const TimeFile file = TimeFile::open(arguments.file);
+  const TimePicture& picture = file.picture();
+  if (!file.info().finished)
+    log(arguments, fmt::format("warning: {}: is not finished, {} of {} tiles are there; the others stay black",
+                               arguments.file, file.info().tiles_there, file.info().tiles));
+  const std::vector<Job> jobs = jobs_of(arguments, picture.frame());
+  for (const Job& job : jobs) check_writable_image(job.out);
+  if (arguments.at && !picture.quality().exact())
+    log(arguments,
+        "note: what this file holds is exact for exposures, within its tolerance, and not for an instant; see "
+        "--time-tolerance exact of kairos render");
+  ExposeOptions options;
+  options.coverage = arguments.coverage;
+  options.threads = arguments.threads;
+  options.progress = [](double) { return !interrupted(); };
+  begin_polling();
+  for (const Job& job : jobs) {
+    const Image image = expose(arguments, picture, job, options);
+    write_interruptibly(image, job.out, arguments.write);
+    begin_polling();
+    log(arguments, "wrote " + job.out);
+  }
+  end_polling();
+}
+
+}  // namespace
+
+void add_expose_command(CLI::App& app, Action& chosen, const std::string& command_line) {
+  CLI::App& command = *app.add_subcommand("expose", "Make pictures of a file that kairos render --time wrote");
+  const auto arguments = std::make_shared<ExposeArguments>();
+  arguments->command_line = command_line;
+  command.add_option("FILE", arguments->file, "File of kairos render --time")->required();
+  command
+      .add_option("-o,--output", arguments->out, "The picture to write; with --frames and --stack, %04d is a number")
+      ->type_name("OUT.exr|OUT.png")
+      ->required();
+  add_shutter(command, arguments->shutter);
+  add_exposure_options(command, arguments->exposure);
+  command
+      .add_option_function<std::string>(
+          "--at", [arguments](const std::string& text) { arguments->at = parse_duration("--at", text); },
+          "What is seen at an instant: a time from the frame's, with --shutter's units")
+      ->type_name("TIME")
+      ->excludes("--shutter");
+  command
+      .add_option_function<std::string>(
+          "--frames", [arguments](const std::string& text) { arguments->frames = parse_frames("--frames", text); },
+          "These frames, of --fps; each exposed as --shutter says, for half a frame without it")
+      ->type_name("A-B")
+      ->excludes("--at");
+  command
+      .add_option_function<std::string>(
+          "--fps",
+          [arguments](const std::string& text) {
+            arguments->fps = parse_real("--fps", text);
+            if (!(*arguments->fps > 0)) throw CLI::ValidationError("--fps", "must be above 0");
+          },
+          "Frames per second (default: those it was rendered with)")
+      ->type_name("R");
+  add_count(command, "--stack", arguments->stack, 0, 100000,
+            "So many pictures of equal parts of all the time that the file holds, numbered from 0")
+      ->excludes("--at")
+      ->excludes("--frames")
+      ->excludes("--shutter");
+  command
+      .add_option_function<std::string>(
+          "--aov",
+          [arguments](const std::string& text) {
+            if (text != "coverage") throw CLI::ValidationError("--aov", fmt::format("'{}' is not: coverage", text));
+            arguments->coverage = true;
+          },
+          "A further EXR layer: coverage")
+      ->type_name("coverage");
+  command.add_flag("--half", arguments->write.half, "16-bit colours in EXR");
+  add_count(command, "--threads", arguments->threads, 0, 1024, "Threads; 0: as many as the machine has");
+  command.add_flag("--quiet", arguments->quiet, "No log, errors only");
+  command.callback([arguments, &chosen] {
+    if (arguments->frames || arguments->stack > 0) FrameName::check("--output", arguments->out);
+    chosen = [arguments] { run_expose(*arguments); };
+  });
+}
+
+void add_check_command(CLI::App& app, Action& chosen) {
+  CLI::App& command =
+      *app.add_subcommand("check", "Read all of a file of kairos render --time: is it as it was written?");
+  const auto file = std::make_shared<std::string>();
+  command.add_option("FILE", *file, "File of kairos render --time")->required();
+  command.callback([file, &chosen] {
+    chosen = [file] {
+      const TimeFile read = TimeFile::open(*file);
+      read.check();
+      fmt::print("{}: {} of {} tiles, all as they were written{}\n", *file, read.info().tiles_there, read.info().tiles,
+                 read.info().finished ? "" : "; rendering has not come to its end");
+    };
+  });
+}
+
+}  // namespace kairos::cli

@@ -1,0 +1,78 @@
+// Files that hold pictures over time (.ktime). docs/time.md describes their bytes.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <kairos/export.h>
+#include <kairos/time_picture.h>
+
+namespace kairos {
+
+struct TimeFileOptions {
+  double tolerance = TimeQuality().tolerance;  ///< see TimeQuality
+  FrameClock clock;
+  /// Says from what and how the rendering is made: a part of another one is not continued.
+  std::string mark;
+};
+
+/// Writes what pixels show over time, tile by tile as they are complete, to PATH.part; finish() makes PATH of it. What
+/// ends in between, by whatever means, leaves the finished tiles behind, and a writer of the same rendering goes on
+/// with them. The file has the same bytes for any number of threads and interruptions.
+class KAIROS_API TimeFileWriter : public PixelConsumer {
+ public:
+  /// Throws Error(bad_usage) like TimeFilm; Error(io) when the file cannot be written or somebody else is writing it;
+  /// Error(bad_input) when PATH.part is there, but of another rendering.
+  TimeFileWriter(const std::string& path, const Shot& shot, const RenderParams& params,
+                 const TimeFileOptions& options = {});
+  /// Leaves PATH.part unless finish() was called.
+  ~TimeFileWriter() override;
+  TimeFileWriter(const TimeFileWriter&) = delete;
+  TimeFileWriter& operator=(const TimeFileWriter&) = delete;
+
+  RecordNeeds needs() const override;
+  bool has(int x, int y) const override;
+  void add(const PixelRecord& record) override;
+
+  size_t tiles() const;         ///< of the picture
+  size_t tiles_before() const;  ///< of them, those that an earlier writer left
+
+  /// Puts the tiles in order. Throws Error(io), and Error(bad_usage) where pixels are missing.
+  void finish();
+
+ private:
+  class File;
+  RecordNeeds needs_;
+  std::unique_ptr<File> file_;
+};
+
+/// What a file says of itself.
+struct TimeFileInfo {
+  uint64_t bytes = 0;
+  uint64_t tiles = 0, tiles_there = 0;
+  bool finished = true;  ///< false: a part, which rendering has not come to the end of
+};
+
+/// Reads such a file, or the part of one. Tiles are read when they are first needed, and kept.
+class KAIROS_API TimeFile {
+ public:
+  /// Throws Error(io) when it cannot be read, Error(bad_input) for another kind of file and a damaged one. `picture`
+  /// throws these too, for tiles that turn out to be damaged.
+  static TimeFile open(const std::string& path);
+
+  const TimeFileInfo& info() const { return info_; }
+  const TimePicture& picture() const { return picture_; }
+
+  /// Reads all of the file. Throws Error(bad_input) that names the first tile that is damaged.
+  void check() const;
+
+ private:
+  TimeFile(TimeFileInfo info, TimePicture picture, std::string path)
+      : info_(info), picture_(std::move(picture)), path_(std::move(path)) {}
+
+  TimeFileInfo info_;
+  TimePicture picture_;
+  std::string path_;
+};
+
+}  // namespace kairos

@@ -1,0 +1,12 @@
+// CRC-32C: whether bytes are those that were written (G. Castagnoli 1993; RFC 3720, appendix B.4).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace kairos {
+
+/// Of `size` bytes after those of which `before` is the checksum.
+uint32_t crc32c(const void* data, size_t size, uint32_t before = 0);
+
+}  // namespace kairos

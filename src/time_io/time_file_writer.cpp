@@ -1,0 +1,193 @@
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <map>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <kairos/error.h>
+#include <kairos/files.h>
+#include <kairos/time_file.h>
+
+#include "base/atomic_file.h"
+#include "time_io/chunk_scan.h"
+#include "time_io/file_layout.h"
+
+namespace kairos {
+
+namespace {
+
+[[noreturn]] void fail(const std::string& path, const char* what) {
+  throw Error(ErrorCode::io, path, std::string(what) + ": " + std::strerror(errno));
+}
+
+/// A file that grows by whole pieces, and that one program at a time writes.
+class GrowingFile {
+ public:
+  explicit GrowingFile(const std::string& path) : path_(path) {
+    file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (file_ < 0) fail(path, "cannot be written");
+    if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
+      close(file_);
+      throw Error(ErrorCode::io, path, "is being written by another program; wait for it, or give another name");
+    }
+  }
+  ~GrowingFile() { close(file_); }
+  GrowingFile(const GrowingFile&) = delete;
+  GrowingFile& operator=(const GrowingFile&) = delete;
+
+  int descriptor() const { return file_; }
+  /// Cuts off what lies behind `size` bytes, and goes on there.
+  void go_on_at(uint64_t size) {
+    if (ftruncate(file_, static_cast<off_t>(size)) != 0) fail(path_, "cannot be written");
+    size_ = size;
+  }
+  /// Returns where it lies.
+  uint64_t append(std::span<const uint8_t> bytes) {
+    const uint64_t at = size_;
+    while (!bytes.empty()) {
+      const ssize_t written = pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(size_));
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) fail(path_, "cannot be written");
+      size_ += static_cast<uint64_t>(written);
+      bytes = bytes.subspan(static_cast<size_t>(written));
+    }
+    return at;
+  }
+
+ private:
+  std::string path_;
+  int file_ = -1;
+  uint64_t size_ = 0;
+};
+
+}  // namespace
+
+class TimeFileWriter::File {
+ public:
+  File(const std::string& path, FileDescription description, TileGrid grid)
+      : path_(path),
+        part_path_(path + ".part"),
+        text_(description_text(description)),
+        grid_(grid),
+        maker_(grid, description.frame.left, description.frame.top, description.tolerance),
+        left_(description.frame.left),
+        top_(description.frame.top),
+        part_((check_writable(path), part_path_)) {
+    there_.resize(grid.count());
+    begin();
+    before_ = entries_.size();
+  }
+
+  size_t tiles() const { return grid_.count(); }
+  size_t tiles_before() const { return before_; }
+  bool has(int x, int y) const { return there_[grid_.tile_of(x - left_, y - top_)]; }
+
+  void add(const PixelRecord& record) {
+    if (has(record.x, record.y)) return;
+    size_t number = 0;
+    const auto tile = maker_.add(record, number);
+    if (!tile) return;
+    std::unique_ptr<TilePacker> packer = take_packer();
+    const auto packed = packer->pack(*tile);
+    const std::vector<uint8_t> bytes = chunk_bytes(*tile, static_cast<uint32_t>(number), packed);
+    IndexEntry entry;
+    parse_chunk_head(std::span(bytes).first<kChunkHeadBytes>(), grid_, entry.head);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    entry.offset = part_.append(bytes);
+    entries_.emplace(number, entry);
+    packers_.push_back(std::move(packer));
+  }
+
+  /// Copies the tiles in order into the file itself.
+  void finish() {
+    if (entries_.size() != tiles())
+      throw Error(ErrorCode::bad_usage, part_path_, "is not finished: pixels of the picture were not rendered");
+    uint64_t offset = kFileHeadBytes + text_.size();
+    std::vector<IndexEntry> index;
+    for (const auto& [number, entry] : entries_) {
+      index.push_back({entry.head, offset});
+      offset += aligned(kChunkHeadBytes + entry.head.packed_bytes);
+    }
+    FileHead head;
+    head.index_offset = offset;
+    head.file_bytes = offset + index_size(index.size());
+    head.chunks = static_cast<uint32_t>(index.size());
+    AtomicFile out(path_);
+    const auto write = [&](const std::vector<uint8_t>& bytes) { out.write(bytes.data(), bytes.size()); };
+    write(head_bytes(head, text_));
+    std::vector<uint8_t> bytes;
+    for (const auto& [number, entry] : entries_) {
+      bytes.resize(aligned(kChunkHeadBytes + entry.head.packed_bytes));
+      if (!read_at(part_.descriptor(), entry.offset, bytes)) fail(part_path_, "cannot be read");
+      write(bytes);
+    }
+    write(index_bytes(index));
+    out.commit();
+    std::error_code ec;
+    std::filesystem::remove(part_path_, ec);
+  }
+
+ private:
+  /// Begins the part, or finds what is there of it.
+  void begin() {
+    const std::vector<uint8_t> head = head_bytes({}, text_);
+    std::vector<uint8_t> there(head.size());
+    if (!read_at(part_.descriptor(), 0, std::span(there).first(kFileHeadBytes))) {  // empty, or hardly begun
+      part_.go_on_at(0);
+      part_.append(head);
+      return;
+    }
+    if (!read_at(part_.descriptor(), 0, there) || there != head)
+      throw Error(ErrorCode::bad_input, part_path_,
+                  "is there, but of another rendering: scene files, options or kairos were others; remove it, or give "
+                  "another name");
+    uint64_t end = head.size();
+    for (const IndexEntry& entry : scan_chunks(part_.descriptor(), head.size(), grid_)) {
+      entries_.emplace(entry.head.tile, entry);
+      there_[entry.head.tile] = true;
+      end = entry.offset + aligned(kChunkHeadBytes + entry.head.packed_bytes);
+    }
+    part_.go_on_at(end);
+  }
+
+  std::unique_ptr<TilePacker> take_packer() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (packers_.empty()) return std::make_unique<TilePacker>();
+    auto packer = std::move(packers_.back());
+    packers_.pop_back();
+    return packer;
+  }
+
+  std::string path_, part_path_, text_;
+  TileGrid grid_;
+  TileMaker maker_;
+  int left_, top_;
+  GrowingFile part_;
+  std::vector<bool> there_;  // [tile]: from before
+  size_t before_ = 0;
+  std::mutex mutex_;                      // of what follows, and of the part
+  std::map<size_t, IndexEntry> entries_;  // [tile]: in the part
+  std::vector<std::unique_ptr<TilePacker>> packers_;
+};
+
+TimeFileWriter::TimeFileWriter(const std::string& path, const Shot& shot, const RenderParams& params,
+                               const TimeFileOptions& options)
+    : needs_(time_needs(params)) {
+  check_tolerance(options.tolerance);
+  TimeFrame frame = time_frame(shot, params, options.clock);
+  const TileGrid grid{frame.width, frame.height};
+  file_ = std::make_unique<File>(path, FileDescription{std::move(frame), options.tolerance, options.mark}, grid);
+}
+TimeFileWriter::~TimeFileWriter() = default;
+
+RecordNeeds TimeFileWriter::needs() const { return needs_; }
+bool TimeFileWriter::has(int x, int y) const { return file_->has(x, y); }
+void TimeFileWriter::add(const PixelRecord& record) { file_->add(record); }
+size_t TimeFileWriter::tiles() const { return file_->tiles(); }
+size_t TimeFileWriter::tiles_before() const { return file_->tiles_before(); }
+void TimeFileWriter::finish() { file_->finish(); }
+
+}  // namespace kairos

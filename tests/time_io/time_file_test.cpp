@@ -1,0 +1,282 @@
+// Files of pictures over time: what was written is read, whatever happened in between.
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <kairos/error.h>
+#include <kairos/time_file.h>
+
+#include "pixel/record_builder.h"
+#include "seed.h"
+#include "temp_folder.h"
+#include "time_io/crc32c.h"
+
+namespace kairos {
+namespace {
+
+using testing::HasSubstr;
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+void put_bytes(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+/// A pixel that sees a few things one after the other, which its place and the seed decide.
+class Pixels {
+ public:
+  explicit Pixels(uint32_t seed) : seed_(seed) {}
+
+  const PixelRecord& record(int x, int y) {
+    std::mt19937 random(seed_ + static_cast<uint32_t>(x * 1000 + y));
+    const auto real = [&] { return std::uniform_real_distribution<float>()(random); };
+    builder_.begin_pixel(x, y, {real(), real(), real()});
+    for (uint32_t ray = 0; ray < 3; ++ray) {
+      const uint32_t first = builder_.part_count();
+      for (float now = real() / 4; now < 1;) {
+        const float end = std::min(1.0f, now + real() / 3);
+        const uint32_t knot = builder_.add_knot(now, {real(), real(), real()}, {}, {});
+        builder_.add_part({{now, end, 1, 1, 0, 0, true}, knot, 1});
+        now = end + real() / 8;
+      }
+      builder_.add_ray({{}, 1, PixelRay::kAll, first, builder_.part_count() - first, 1});
+    }
+    return builder_.finish();
+  }
+
+ private:
+  uint32_t seed_;
+  RecordBuilder builder_{false};
+};
+
+class TimeFiles : public testing::Test {
+ protected:
+  TimeFiles() {
+    shot_.projection.width = 70;
+    shot_.projection.height = 40;
+    shot_.shutter_open = 2;
+    shot_.shutter_close = 2.5;
+    params_.shading = ShadingKind::flat;
+    params_.crop = Crop{3, 68, 1, 38};
+    path_ = folder_.path("picture.ktime");
+  }
+
+  /// Those pixels of the crop for which `which` says yes, in the order of the numbers.
+  template <class Which>
+  void add_pixels(PixelConsumer& consumer, const Which& which) {
+    for (int y = params_.crop->y0; y < params_.crop->y1; ++y)
+      for (int x = params_.crop->x0; x < params_.crop->x1; ++x)
+        if (which(x, y) && !consumer.has(x, y)) consumer.add(pixels_.record(x, y));
+  }
+  static bool all(int, int) { return true; }
+
+  void write(const TimeFileOptions& options = {}) {
+    TimeFileWriter writer(path_, shot_, params_, options);
+    add_pixels(writer, all);
+    writer.finish();
+  }
+  TimePicture in_memory(double tolerance) {
+    TimeFilm film(shot_, params_, tolerance);
+    add_pixels(film, all);
+    return film.take();
+  }
+  static void expect_same(const Image& a, const Image& b) {
+    ASSERT_EQ(a.channels.size(), b.channels.size());
+    for (size_t c = 0; c < a.channels.size(); ++c) EXPECT_EQ(a.channels[c].values, b.channels[c].values);
+  }
+  /// Of opening and reading everything; empty where nothing is wrong.
+  std::string message(const std::string& path) const {
+    try {
+      TimeFile::open(path).check();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::bad_input);
+      return error.what();
+    }
+    return "";
+  }
+
+  TempFolder folder_;
+  Shot shot_;
+  RenderParams params_;
+  Pixels pixels_{test::seed()};
+  std::string path_;
+};
+
+TEST_F(TimeFiles, HoldWhatAFilmHolds) {
+  for (const double tolerance : {0.0, 0x1p-10}) {
+    write({tolerance, {2, 25}, "mark"});
+    const TimeFile file = TimeFile::open(path_);
+    file.check();
+    const TimePicture memory = in_memory(tolerance);
+    const TimeWeight weight({{0.125, 2}, {0.625, 2}});
+    ExposeOptions options;
+    options.coverage = true;
+    expect_same(file.picture().expose(weight, options), memory.expose(weight, options));
+    expect_same(file.picture().at(0.3), memory.at(0.3));
+    const TimeQuality quality = file.picture().quality(), wanted = memory.quality();
+    EXPECT_EQ(quality.tolerance, tolerance);
+    EXPECT_EQ(quality.deviation, wanted.deviation);
+    EXPECT_EQ(quality.rounding, wanted.rounding);
+    EXPECT_EQ(quality.pieces, wanted.pieces);
+    EXPECT_EQ(quality.missing, 0u);
+    const TimeFrame& frame = file.picture().frame();
+    EXPECT_EQ(frame.left, 3);
+    EXPECT_EQ(frame.height, 37);
+    EXPECT_EQ(frame.frame_width, 70);
+    EXPECT_EQ(frame.open, 2);
+    EXPECT_EQ(frame.close, 2.5);
+    EXPECT_EQ(frame.frame_time, 2);
+    EXPECT_EQ(frame.fps, 25);
+    EXPECT_EQ(frame.attributes.size(), memory.frame().attributes.size());
+    EXPECT_TRUE(file.info().finished);
+    EXPECT_EQ(file.info().bytes, bytes_of(path_).size());
+    EXPECT_FALSE(std::filesystem::exists(path_ + ".part"));
+  }
+}
+
+TEST_F(TimeFiles, GoOnWhereTheyWereLeft) {
+  write();
+  const std::string whole = bytes_of(path_);
+  std::filesystem::remove(path_);
+  const auto is_right = [](int x, int) { return x >= 32 + 3; };
+  {
+    TimeFileWriter writer(path_, shot_, params_);
+    EXPECT_EQ(writer.tiles_before(), 0u);
+    EXPECT_EQ(writer.tiles(), 6u);
+    add_pixels(writer, is_right);
+    try {
+      writer.finish();
+      ADD_FAILURE() << "pixels are missing";
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("not finished"));
+    }
+  }
+  EXPECT_FALSE(std::filesystem::exists(path_));
+  const TimeFile part = TimeFile::open(path_ + ".part");
+  EXPECT_FALSE(part.info().finished);
+  EXPECT_EQ(part.info().tiles_there, 4u);
+  EXPECT_FALSE(part.picture().signal(35, 1).empty());
+  EXPECT_TRUE(part.picture().signal(34, 1).empty());
+  // As if ended in the middle of a chunk.
+  std::filesystem::resize_file(path_ + ".part", std::filesystem::file_size(path_ + ".part") - 20);
+  {
+    TimeFileWriter writer(path_, shot_, params_);
+    EXPECT_EQ(writer.tiles_before(), 3u);
+    EXPECT_TRUE(writer.has(35, 1));
+    EXPECT_FALSE(writer.has(3, 1));
+    add_pixels(writer, [](int, int y) { return y >= 32 + 1; });
+  }
+  {
+    TimeFileWriter writer(path_, shot_, params_);
+    EXPECT_EQ(writer.tiles_before(), 5u) << "one of the lower three was there";
+    add_pixels(writer, all);
+    writer.finish();
+  }
+  EXPECT_EQ(bytes_of(path_), whole) << "whatever the order in which tiles were complete";
+}
+
+TEST_F(TimeFiles, EveryPrefixOfAPartIsContinuedOrBegun) {
+  write();
+  const std::string whole = bytes_of(path_);
+  std::string part;
+  {
+    TimeFileWriter writer(path_, shot_, params_);
+    add_pixels(writer, all);
+    part = bytes_of(path_ + ".part");
+  }
+  std::mt19937 random(test::seed());
+  for (int i = 0; i < 20; ++i) {
+    const size_t size = i == 0 ? 0 : i == 1 ? 63 : std::uniform_int_distribution<size_t>(1100, part.size())(random);
+    put_bytes(path_ + ".part", part.substr(0, size));
+    TimeFileWriter writer(path_, shot_, params_);
+    add_pixels(writer, all);
+    writer.finish();
+    ASSERT_EQ(bytes_of(path_), whole) << size << " bytes were there";
+  }
+}
+
+TEST_F(TimeFiles, DoNotGoOnWithAnotherRendering) {
+  const auto refusal = [&](const TimeFileOptions& options) {
+    try {
+      const TimeFileWriter writer(path_, shot_, params_, options);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refusal({0x1p-10, {}, "a"}), "");
+  EXPECT_EQ(refusal({0x1p-10, {}, "a"}), "");
+  EXPECT_THAT(refusal({0x1p-10, {}, "b"}), HasSubstr("of another rendering"));
+  EXPECT_THAT(refusal({0x1p-11, {}, "a"}), HasSubstr("of another rendering"));
+  EXPECT_THAT(refusal({0x1p-11, {}, "a"}), HasSubstr(path_ + ".part"));
+}
+
+TEST_F(TimeFiles, AreWrittenByOneAtATime) {
+  const TimeFileWriter writer(path_, shot_, params_);
+  EXPECT_THROW(TimeFileWriter(path_, shot_, params_), Error);
+}
+
+TEST_F(TimeFiles, NoPrefixIsTakenForAWholeFile) {
+  params_.crop = Crop{0, 5, 0, 4};
+  write({0x1p-6, {}, ""});
+  const std::string whole = bytes_of(path_);
+  EXPECT_EQ(message(path_), "");
+  for (size_t size = whole.size(); size-- > 0;) {
+    std::filesystem::resize_file(path_, size);
+    ASSERT_THAT(message(path_), HasSubstr(path_)) << size;
+  }
+  put_bytes(path_, whole + "\n");
+  EXPECT_THAT(message(path_), HasSubstr("has grown"));
+}
+
+TEST_F(TimeFiles, NoFlippedByteGoesUnnoticed) {
+  params_.crop = Crop{0, 5, 0, 4};
+  write({0x1p-6, {}, ""});
+  const std::string whole = bytes_of(path_);
+  const Image right = TimeFile::open(path_).picture().expose();
+  std::mt19937 random(test::seed());
+  std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+  const auto put_byte = [&](size_t i, int byte) {
+    file.seekp(static_cast<std::streamoff>(i)).put(static_cast<char>(byte)).flush();
+  };
+  for (size_t i = 0; i < whole.size(); ++i)
+    for (const int flip : {1, std::uniform_int_distribution<>(2, 255)(random)}) {  // a digit becomes another one
+      put_byte(i, whole[i] ^ flip);
+      if (message(path_).empty()) {
+        const TimeFile same = TimeFile::open(path_);
+        expect_same(same.picture().expose(), right);
+        EXPECT_EQ(same.picture().frame().open, 2);
+        EXPECT_EQ(same.picture().frame().close, 2.5);
+        EXPECT_EQ(same.picture().frame().fps, 24);
+        EXPECT_EQ(same.picture().frame().frame_width, 70);
+      }
+      put_byte(i, whole[i]);
+    }
+}
+
+TEST_F(TimeFiles, OtherFilesAreRefusedInOneLine) {
+  put_bytes(path_, std::string(1000, 'x'));
+  EXPECT_THAT(message(path_), HasSubstr("is no picture over time"));
+  EXPECT_THROW(TimeFile::open(path_ + "x"), Error);
+  EXPECT_THROW(TimeFile::open(folder_.path("")), Error);
+}
+
+// RFC 3720, appendix B.4.
+TEST(Crc32c, IsTheStandardsOwn) {
+  const std::vector<uint8_t> zeros(32, 0), ones(32, 0xff);
+  std::vector<uint8_t> ascending(32);
+  for (size_t i = 0; i < ascending.size(); ++i) ascending[i] = static_cast<uint8_t>(i);
+  EXPECT_EQ(crc32c(zeros.data(), 32), 0x8a9136aau);
+  EXPECT_EQ(crc32c(ones.data(), 32), 0x62a8ab43u);
+  EXPECT_EQ(crc32c(ascending.data(), 32), 0x46dd794eu);
+  EXPECT_EQ(crc32c("123456789", 9), 0xe3069283u);
+  EXPECT_EQ(crc32c(ascending.data() + 13, 19, crc32c(ascending.data(), 13)), 0x46dd794eu);
+}
+
+}  // namespace
+}  // namespace kairos
