@@ -20,6 +20,8 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
+constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+
 /// A folder `scenes` beside a folder `parts` with a picture, a mesh and a piece of pbrt.
 class Root : public testing::Test {
  protected:
@@ -59,6 +61,7 @@ class Root : public testing::Test {
 };
 
 TEST_F(Root, APictureOutsideIsLeftOut) {
+  folder_.write("scenes/t.obj", kTriangle);
   GltfBuilder gltf;
   gltf.triangle_node();
   gltf.root["images"] = {{{"uri", "../parts/white.png"}}};
@@ -72,8 +75,9 @@ TEST_F(Root, APictureOutsideIsLeftOut) {
       Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] "point2 uv" [0 0 1 0 0 1])",
                           1);
   expect_picture_left_out("a.json", R"({"kairos": 1,
+      "meshes": [{"keys": ["t.obj"], "material": "m"}],
       "materials": {"m": {"base_color_texture": "../parts/white.png"}}})",
-                          0);
+                          1);
 }
 
 TEST_F(Root, WhatSaysWhereThingsAreIsNeeded) {
@@ -108,10 +112,13 @@ TEST_F(Root, WhatNothingUsesNeedNotBeThere) {
   const auto scene = load("unused.gltf", gltf.root.dump(), false, true);
   EXPECT_EQ(scene->meshes.size(), 1u);
   EXPECT_THAT(scene->warnings, IsEmpty());
-  const std::vector<std::string> problems{"no uri", "absent.bin", "--root", "is no file"};
+  const std::vector<std::pair<std::string, ErrorCode>> problems{{"no uri", ErrorCode::bad_input},
+                                                                {"absent.bin", ErrorCode::io},
+                                                                {"--root", ErrorCode::bad_input},
+                                                                {"is no file", ErrorCode::io}};
   for (size_t i = 0; i < problems.size(); ++i) {
     gltf.root["bufferViews"][0]["buffer"] = gltf.root["buffers"].size() - problems.size() + i;
-    expect_error([&] { load("used.gltf", gltf.root.dump(), false); }, {problems[i]});
+    expect_error([&] { load("used.gltf", gltf.root.dump(), false); }, {problems[i].first}, problems[i].second);
   }
 }
 
@@ -124,7 +131,10 @@ TEST_F(Root, PipesAreNoFilesToAnyReader) {
                  ErrorCode::io);
   expect_error([&] { load("a.json", R"({"kairos": 1, "include": ["p.obj"]})", false); }, {"is no file"}, ErrorCode::io);
   expect_error([&] { read_image(folder_.path("scenes/p.png")); }, {"is no file"}, ErrorCode::io);
-  Scene scene = *load("b.json", R"({"kairos": 1, "materials": {"m": {"base_color_texture": "p.png"}}})", false);
+  folder_.write("scenes/t.obj", kTriangle);
+  const Scene scene = *load("b.json", R"({"kairos": 1, "meshes": [{"keys": ["t.obj"], "material": "m"}],
+      "materials": {"m": {"base_color_texture": "p.png"}}})",
+                            false);
   EXPECT_THAT(make_shot(scene).notes, Contains(HasSubstr("is no file")));
 }
 
