@@ -106,7 +106,7 @@ using Light = std::variant<PointLight, SpotLight, DirectionalLight, ConstantLigh
 
 /// Picks what a scene file offers several of.
 struct LoadOptions {
-  std::string animation;   ///< name or index of a glTF animation; empty: the first; "none": rest pose
+  std::string animation;   ///< name or index of a glTF animation; empty: the first; "all"; "none": rest pose
   std::string gltf_scene;  ///< name or index of a glTF scene; empty: the default one
   bool strict = false;     ///< a bad triangle or an unsupported feature is an error, not a warning
   int threads = 0;         ///< 0: as many as the machine has; no effect on the scene

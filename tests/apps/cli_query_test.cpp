@@ -164,5 +164,32 @@ TEST_F(CliQuery, InfoPassesWarningsOn) {
   EXPECT_EQ(run("info nan.obj --strict").status, 1);
 }
 
+TEST_F(CliQuery, InfoTellsWhenAnimationsRunAndWhatIsAbsent) {
+  write("a.gltf",
+        R"({"asset": {"version": "2.0"}, "nodes": [{"mesh": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}],
+    "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 7}]}},
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+    "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}], "textures": [{"source": 0}],
+    "images": [{"uri": "gone.png"}], "accessors": [
+      {"componentType": 5126, "count": 3, "type": "VEC3"},
+      {"componentType": 5126, "count": 1, "type": "SCALAR", "min": [2], "max": [3.5]},
+      {"componentType": 5126, "count": 1, "type": "VEC3"}],
+    "animations": [{"name": "walk", "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+                    "samplers": [{"input": 1, "output": 2}]}, {"name": "run", "channels": [], "samplers": []}]})");
+  const json info = json::parse(run("info a.gltf --json").out);
+  const json& walk = info.at("animations").at(0);
+  EXPECT_EQ(walk.at("name"), "walk");
+  EXPECT_TRUE(walk.at("plays").get<bool>());
+  EXPECT_EQ(walk.at("range"), json({2, 3.5}));
+  EXPECT_EQ(walk.at("frames"), json({48, 84}));
+  EXPECT_FALSE(info.at("animations").at(1).at("plays").get<bool>());
+  EXPECT_EQ(info.at("fps"), 24);
+  EXPECT_NE(info.at("absent_pictures").at(0).get<std::string>().find("gone.png"), std::string::npos);
+  const std::string text = run("info a.gltf").out;
+  for (const char* line : {"animation 0: 'walk', 2 to 3.5 s, frames 48 to 84\n", "animation 1: 'run', does not play\n",
+                           "light 0: point, intensity 7 7 7\n", "absent picture: ", "not 'run' (--animation"})
+    EXPECT_NE(text.find(line), std::string::npos) << line << text;
+}
+
 }  // namespace
 }  // namespace kairos

@@ -171,6 +171,26 @@ TEST(Camera, RotationAndImageSize) {
   EXPECT_EQ(make_shot(make_scene(make_still_triangle())).projection.height, 540);
 }
 
+TEST(MakeShot, SaysWhenTheShutterMissesTheAnimation) {
+  Scene scene = make_scene(make_still_triangle());
+  scene.animations = {{"rest", {{0.0, 100.0}}, false}, {"walk", {{2.0, 3.0}}, true}, {"run", {{2.5, 4.0}}, true}};
+  scene.notes = {"chosen"};
+  const auto notes = [&](double open, double close) {
+    ShotOptions options;
+    options.fps = 1;
+    options.shutter = {open, close};
+    return make_shot(scene, options).notes;
+  };
+  EXPECT_THAT(notes(0, 1), Contains(HasSubstr("open before the animation, which runs from 2 to 4")));
+  EXPECT_THAT(notes(0, 2), Contains(HasSubstr("before the animation")));
+  EXPECT_THAT(notes(4, 5), Contains(HasSubstr("after the animation")));
+  for (const auto& [open, close] : {std::pair{1.0, 2.5}, {3.5, 5.0}, {2.0, 2.0}, {1.0, 6.0}})
+    EXPECT_THAT(notes(open, close), testing::Not(Contains(HasSubstr("the animation")))) << open << " " << close;
+  EXPECT_THAT(notes(0, 1), Contains("chosen"));
+  scene.animations[2].range.reset();
+  EXPECT_THAT(notes(0, 1), testing::Not(Contains(HasSubstr("the animation")))) << "who knows when it runs?";
+}
+
 /// Everything is on screen, and fills a good part of it in at least one direction.
 void expect_framed(Scene scene, int width, int height) {
   scene.cameras.clear();

@@ -32,6 +32,8 @@ void expect_sound(const Scene& scene) {
     const size_t vertices = motion.vertex_count();
     EXPECT_LT(mesh.material, scene.materials.size());
     EXPECT_TRUE(mesh.uvs.empty() || mesh.uvs.size() == vertices);
+    EXPECT_TRUE(mesh.colors.empty() || mesh.colors.size() == vertices);
+    for (const auto& set : mesh.more_uvs) EXPECT_TRUE(set.empty() || set.size() == vertices);
     EXPECT_TRUE(mesh.prim_ids.empty() || mesh.prim_ids.size() == mesh.triangles.size());
     for (const Triangle& triangle : mesh.triangles)
       for (uint32_t v : triangle) ASSERT_LT(v, vertices);

@@ -24,6 +24,8 @@ void evaluate(const SceneMesh& mesh) {
     for (const Vec3f& n : normals) ASSERT_TRUE(is_finite(n)) << mesh.name;
   }
   EXPECT_TRUE(mesh.uvs.empty() || mesh.uvs.size() == positions.size());
+  EXPECT_TRUE(mesh.colors.empty() || mesh.colors.size() == positions.size());
+  for (const auto& set : mesh.more_uvs) EXPECT_TRUE(set.empty() || set.size() == positions.size());
   EXPECT_TRUE(mesh.prim_ids.empty() || mesh.prim_ids.size() == mesh.triangles.size());
 }
 

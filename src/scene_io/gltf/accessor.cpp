@@ -49,7 +49,7 @@ std::vector<T> read(Document& document, const file::Accessor& accessor, int comp
       for (uint64_t c = 0; c < width; ++c) values[i * width + c] = convert(dense.data + i * dense.stride + c * size);
   if (!accessor.sparse) return values;
 
-  const file::Accessor::Sparse& sparse = *accessor.sparse;
+  const file::Sparse& sparse = *accessor.sparse;
   const uint64_t index_size = sparse.indices.componentType == file::kUnsignedByte    ? 1
                               : sparse.indices.componentType == file::kUnsignedShort ? 2
                               : sparse.indices.componentType == file::kUnsignedInt   ? 4

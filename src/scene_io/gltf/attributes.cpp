@@ -60,7 +60,7 @@ int AttributeReader::checked_accessor(int accessor, const std::string& name) con
   return accessor;
 }
 
-void AttributeReader::decode(const file::Primitive::Draco& draco) {
+void AttributeReader::decode(const file::Draco& draco) {
   const std::string where = where_ + ".extensions.KHR_draco_mesh_compression";
   for (const auto& [name, id] : draco.attributes) draco_ids_[name] = static_cast<uint32_t>(id);
   const auto& views = document_.model.bufferViews;

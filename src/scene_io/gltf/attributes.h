@@ -34,7 +34,7 @@ class AttributeReader {
   int checked_accessor(int accessor, const std::string& name) const;
 
  private:
-  void decode(const file::Primitive::Draco& draco);
+  void decode(const file::Draco& draco);
 
   Document& document_;
   const file::Primitive& source_;

@@ -26,6 +26,15 @@ enum ComponentType : int {
 enum Mode : int { kPoints = 0, kTriangles = 4, kTriangleStrip = 5, kTriangleFan = 6 };
 
 /// Indices are -1 for none. Members are called what the format calls them, unless a comment says otherwise.
+struct SparsePart {
+  int bufferView = -1;
+  uint64_t byteOffset = 0;
+  int componentType = 0;  ///< of indices
+};
+struct Sparse {
+  uint64_t count = 0;
+  SparsePart indices, values;
+};
 struct Accessor {
   int bufferView = -1;
   uint64_t byteOffset = 0, count = 0;
@@ -33,18 +42,6 @@ struct Accessor {
   int components = 0;  ///< of its type; 0 for matrices of 2 x 2 and 3 x 3, which nothing uses
   bool normalized = false;
   std::vector<double> min, max;
-  struct Sparse {
-    uint64_t count = 0;
-    struct {
-      int bufferView = -1;
-      uint64_t byteOffset = 0;
-      int componentType = 0;
-    } indices;
-    struct {
-      int bufferView = -1;
-      uint64_t byteOffset = 0;
-    } values;
-  };
   std::optional<Sparse> sparse;
 };
 
@@ -81,14 +78,21 @@ struct Texture {
   std::string encoding;  ///< that of a picture which only an extension names and which is not read, or empty
 };
 
+struct TextureTransform {
+  std::vector<double> offset{0, 0}, scale{1, 1};
+  double rotation = 0;
+};
 struct TextureInfo {
   int index = -1, texCoord = 0;
   double scale = 1;  ///< of normals
-  struct Transform {
-    std::vector<double> offset{0, 0}, scale{1, 1};
-    double rotation = 0;
-  };
-  std::optional<Transform> transform;
+  std::optional<TextureTransform> transform;
+};
+
+struct SpecularGlossiness {
+  std::vector<double> diffuseFactor{1, 1, 1, 1};
+  double glossinessFactor = 1;
+  TextureInfo diffuseTexture;
+  bool has_texture = false;  ///< specularGlossinessTexture
 };
 
 struct Material {
@@ -100,23 +104,18 @@ struct Material {
   TextureInfo baseColorTexture, metallicRoughnessTexture, normalTexture, emissiveTexture;
   std::string alphaMode = "OPAQUE";
   bool doubleSided = false, unlit = false;
-  struct SpecularGlossiness {
-    std::vector<double> diffuseFactor{1, 1, 1, 1};
-    double glossinessFactor = 1;
-    TextureInfo diffuseTexture;
-    bool has_texture = false;  ///< specularGlossinessTexture
-  };
   std::optional<SpecularGlossiness> glossy;
+};
+
+struct Draco {
+  int bufferView = -1;
+  std::map<std::string, int> attributes;
 };
 
 struct Primitive {
   std::map<std::string, int> attributes;
   int indices = -1, material = -1, mode = kTriangles;
   std::vector<std::map<std::string, int>> targets;
-  struct Draco {
-    int bufferView = -1;
-    std::map<std::string, int> attributes;
-  };
   std::optional<Draco> draco;
 };
 

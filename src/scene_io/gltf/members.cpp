@@ -96,9 +96,9 @@ double Members::number(const char* key, double otherwise) {
 }
 
 std::string Members::text(const char* key, const std::string& otherwise) {
-  auto value = take(key);
+  const auto value = take(key);
   if (value && !value->is_string()) expected("a string", key);
-  return value ? std::move(value->get_ref<std::string&>()) : otherwise;
+  return value ? value->get<std::string>() : otherwise;
 }
 
 bool Members::flag(const char* key, bool otherwise) {

@@ -81,7 +81,7 @@ void read_layers(Members& m, Material& material, Warnings& warnings) {
   lose_layer(m, "diffuseTransmissionFactor", "KHR_materials_diffuse_transmission",
              "diffuse transmission is left out: light does not shine through leaves and paper", warnings);
   m.extension("KHR_materials_pbrSpecularGlossiness", [&](Members& e) {
-    Material::SpecularGlossiness& glossy = material.glossy.emplace();
+    SpecularGlossiness& glossy = material.glossy.emplace();
     glossy.diffuseFactor = e.as_many_numbers("diffuseFactor", {1, 1, 1, 1});
     glossy.glossinessFactor = e.number("glossinessFactor", 1);
     glossy.diffuseTexture = read_texture_info(e, "diffuseTexture");

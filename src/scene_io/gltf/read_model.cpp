@@ -26,7 +26,7 @@ void check_version(Members& root) {
   const json* scene = root.peek("scene");
   if (version.empty() && scene && scene->is_string()) version = "1.0";  // which some exporters did not write
   if (version.empty()) root.fail("asset.version is missing: this is no glTF");
-  if (version.rfind("2", 0) != 0)
+  if (!version.starts_with('2'))
     root.fail("asset.version is '" + printable(version) + "': this is glTF " + printable(version) +
               ", and only 2.0 is supported; convert the file");
 }
@@ -53,7 +53,7 @@ Accessor read_accessor(Members& m) {
   accessor.min = m.numbers("min");
   accessor.max = m.numbers("max");
   m.object("sparse", [&](Members& s) {
-    Accessor::Sparse& sparse = accessor.sparse.emplace();
+    Sparse& sparse = accessor.sparse.emplace();
     for (const char* needed : {"count", "indices", "values"}) s.need(needed);
     sparse.count = s.size("count");
     s.object("indices", [&](Members& part) {
@@ -154,7 +154,7 @@ Primitive read_primitive(Members& m) {
   primitive.mode = m.index("mode", kTriangles);
   m.each("targets", [&](Members& target) { primitive.targets.push_back(target.all_indices()); });
   m.extension("KHR_draco_mesh_compression", [&](Members& e) {
-    Primitive::Draco& draco = primitive.draco.emplace();
+    Draco& draco = primitive.draco.emplace();
     for (const char* needed : {"bufferView", "attributes"}) e.need(needed);
     draco.bufferView = e.index("bufferView");
     draco.attributes = e.named_indices("attributes");

@@ -27,7 +27,7 @@ TextureWrap wrap_of(int code) {
 
 /// The extension says that coordinates turn counter-clockwise; with v downwards, as glTF has it, that is this way
 /// round. (The formula in its text turns the other way; viewers and exporters agree on this one.)
-std::array<Vec3f, 2> placement_of(const file::TextureInfo::Transform& transform) {
+std::array<Vec3f, 2> placement_of(const file::TextureTransform& transform) {
   const double rotation = std::clamp(transform.rotation, -kMostTurns, kMostTurns);
   const double cosine = rotation == 0 ? 1 : std::cos(rotation), sine = rotation == 0 ? 0 : std::sin(rotation);
   const auto &scale = transform.scale, &offset = transform.offset;
@@ -39,7 +39,8 @@ std::array<Vec3f, 2> placement_of(const file::TextureInfo::Transform& transform)
 /// read.
 std::string find_picture(Document& document, size_t index, Scene& scene) {
   const file::Image& image = document.model.images[index];
-  const std::string where = at("images", index), name = document.name + ": " + where;
+  const std::string where = at("images", index);
+  std::string name = document.name + ": " + where;
   if (scene.embedded_pictures.count(name)) return name;
   const auto embed = [&](std::span<const uint8_t> bytes) {
     document.charge(bytes.size(), where);
