@@ -157,10 +157,10 @@ void run_expose(const ExposeArguments& arguments) {
 }  // namespace
 
 void add_expose_command(CLI::App& app, Action& chosen, const std::string& command_line) {
-  CLI::App& command = *app.add_subcommand("expose", "Make pictures of a file that kairos render --time wrote");
+  CLI::App& command = *app.add_subcommand("expose", "Make pictures of a file that holds time");
   const auto arguments = std::make_shared<ExposeArguments>();
   arguments->command_line = command_line;
-  command.add_option("FILE", arguments->file, "File of kairos render --time")->required();
+  command.add_option("FILE", arguments->file, "A picture over time, .ktime")->required();
   command
       .add_option("-o,--output", arguments->out, "The picture to write; with --frames and --stack, %04d is a number")
       ->type_name("OUT.exr|OUT.png")
@@ -212,10 +212,9 @@ void add_expose_command(CLI::App& app, Action& chosen, const std::string& comman
 }
 
 void add_check_command(CLI::App& app, Action& chosen) {
-  CLI::App& command =
-      *app.add_subcommand("check", "Read all of a file of kairos render --time: is it as it was written?");
+  CLI::App& command = *app.add_subcommand("check", "Read all of a file that holds time: is it as it was written?");
   const auto file = std::make_shared<std::string>();
-  command.add_option("FILE", *file, "File of kairos render --time")->required();
+  command.add_option("FILE", *file, "A picture over time, .ktime")->required();
   command.callback([file, &chosen] {
     chosen = [file] {
       const TimeFile read = TimeFile::open(*file);
