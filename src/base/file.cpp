@@ -78,7 +78,7 @@ std::string SceneFolder::try_resolve(std::string_view name, std::string& problem
 
 std::string SceneFolder::resolve(std::string_view name, const std::string& place) const {
   std::string problem;
-  const std::string resolved = try_resolve(name, problem);
+  std::string resolved = try_resolve(name, problem);
   if (!problem.empty()) throw Error(ErrorCode::bad_input, place, problem);
   return resolved;
 }

@@ -19,14 +19,12 @@ constexpr size_t kMaxDepth = 64;  // a native scene needs 5, glTF with its exten
 
 /// Leaves of it nothing that allocates when it is destroyed: arrays and objects are emptied from the innermost out.
 void take_apart(json& value) noexcept {
-  if (value.is_array()) {
-    auto& items = value.get_ref<json::array_t&>();
-    for (json& item : items) take_apart(item);
-    items.clear();
-  } else if (value.is_object()) {
-    auto& fields = value.get_ref<json::object_t&>();
-    for (auto& [name, field] : fields) take_apart(field);
-    fields.clear();
+  if (auto* items = value.get_ptr<json::array_t*>()) {
+    for (json& item : *items) take_apart(item);
+    items->clear();
+  } else if (auto* fields = value.get_ptr<json::object_t*>()) {
+    for (auto& [name, field] : *fields) take_apart(field);
+    fields->clear();
   }
 }
 

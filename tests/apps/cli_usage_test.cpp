@@ -164,6 +164,8 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--window", "0.25,0.5"},
                                                        {"--max-dist", "3"},
                                                        {"--pixel", "3,4"},
+                                                       {"--time", "t.ktime"},
+                                                       {"--time-tolerance", "exact --time u.ktime"},
                                                        {"--json", ""}};
   const std::set<std::string> of_rays = {"--rays", "--all", "--occluded", "--window", "--max-dist"};
   write("rays.txt", "0 0 0 0 0 -1\n");
