@@ -84,7 +84,7 @@ class Lending : public testing::Test {
     return make_shot(gltf_.parse(), options);
   }
   void material(const nlohmann::json& material) {
-    gltf_.root["materials"] = {material};
+    gltf_.root["materials"] = nlohmann::json::array({material});
     gltf_.root["meshes"][0]["primitives"][0]["material"] = 0;
   }
 

@@ -226,7 +226,7 @@ TEST(GltfDocument, EmptyPrimitivesAreLeftOutAndNamed) {
 TEST(GltfDocument, NothingIsPassedOverInSilence) {
   const auto warnings = [](const char* array, const nlohmann::json& extra) {
     GltfBuilder gltf = triangle();
-    gltf.root["materials"] = {nlohmann::json::object()};
+    gltf.root["materials"] = nlohmann::json::array({nlohmann::json::object()});
     gltf.root[array][0].update(extra);
     const Scene scene = gltf.parse();
     LoadOptions strict;

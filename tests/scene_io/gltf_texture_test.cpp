@@ -57,8 +57,8 @@ TEST(GltfTexture, ATransformMovesItsCoordinates) {
   // Counter-clockwise where v points down: what lay to the right lies above. First the scale, then the turn.
   expect_uvs(place({{"rotation", M_PI / 2}, {"scale", {2, 3}}, {"offset", {0, 1}}}), {{0, 1}, {0, -1}, {6, 0}});
   expect_uvs(place({{"texCoord", 1}, {"scale", {2, 1}}}), {{10, 5}, {12, 6}, {14, 7}});
-  for (const Vec3f& row : place({{"scale", {1e300, 1}}}).materials[0].base_color_texture.placement)
-    EXPECT_TRUE(is_finite(row));
+  const Scene huge = place({{"scale", {1e300, 1}}});
+  for (const Vec3f& row : huge.materials[0].base_color_texture.placement) EXPECT_TRUE(is_finite(row));
   EXPECT_THROW(place({{"offset", {"a", 2}}}), Error);
 }
 
