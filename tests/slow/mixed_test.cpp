@@ -282,20 +282,23 @@ TEST(Mixed, IsQmcWhereNothingMoves) {
       << "points that are good only all together";
 }
 
-// Of one scene of six triangles an error says little: it is summed over several.
+// One scene of six triangles says little, and errors differ by orders of magnitude between scenes: the mean of the
+// logarithms of their ratios counts.
 TEST(Mixed, AutomaticTakesMoreSamplesWhereTheyDiffer) {
   std::mt19937 random(test::seed());
   std::vector<Shot> shots;
   std::vector<Image> references;
-  for (int i = 0; i < 6; ++i) {
+  for (int i = 0; i < 16; ++i) {
     shots.push_back(shot_of({still_soup(random, 6)}));
     references.push_back(render(shots.back(), params_of(IntegratorKind::qmc, 1, 4096, 1)));
   }
   double before = INFINITY;
-  for (const int spp : {16, 64, 256}) {
-    double automatic = 0, qmc = 0;
+  // Over draws of 16 scenes the ratios were 0.47 +- 0.04, 0.16 +- 0.02 and 0.10 +- 0.01.
+  for (const auto& [spp, most] : {std::pair(16, 0.6), std::pair(64, 0.25), std::pair(256, 0.2)}) {
+    double sum = 0, log_ratio = 0;
     uint64_t rays = 0;
-    for (size_t i = 0; i < shots.size(); ++i)
+    for (size_t i = 0; i < shots.size(); ++i) {
+      double automatic = 0, qmc = 0;
       for (const uint64_t seed : {2u, 3u}) {
         RenderStats stats;
         automatic += mean_square_difference(
@@ -304,10 +307,13 @@ TEST(Mixed, AutomaticTakesMoreSamplesWhereTheyDiffer) {
             mean_square_difference(render(shots[i], params_of(IntegratorKind::qmc, 1, spp, seed)), references[i], "R");
         rays += stats.rays;
       }
-    EXPECT_LT(automatic, 0.6 * qmc) << spp;
-    EXPECT_LT(automatic, before / 4) << "no bias that stays";
-    EXPECT_LT(static_cast<double>(rays) / 12, 1.25 * spp * kWidth * kHeight) << "with the looks beforehand";
-    before = automatic;
+      sum += automatic;
+      log_ratio += std::log(automatic / qmc) / static_cast<double>(shots.size());
+    }
+    EXPECT_LT(std::exp(log_ratio), most) << spp;
+    EXPECT_LT(sum, before / 4) << "no bias that stays";
+    EXPECT_LT(static_cast<double>(rays) / 32, 1.25 * spp * kWidth * kHeight) << "with the looks beforehand";
+    before = sum;
   }
 }
 
