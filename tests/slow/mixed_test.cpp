@@ -45,6 +45,7 @@ MotionMask mask_of(const Shot& shot, double margin) {
 
 TEST(MotionMask, HoldsEveryPixelInWhichSomethingMovingIsSeen) {
   std::mt19937 random(test::seed());
+  size_t moving = 0;  // of all kinds of motion together: four triangles may all lie beside the picture
   for (const test::Motion motion : test::kAllMotions) {
     if (motion == test::Motion::still) continue;
     const Shot shot = shot_of({still_soup(random, 5), test::random_soup(random, motion, 4)});
@@ -52,7 +53,6 @@ TEST(MotionMask, HoldsEveryPixelInWhichSomethingMovingIsSeen) {
     const Tracer tracer(shot.meshes);
     Tracer::Workspace workspace;
     const CameraRays camera(shot.projection);
-    size_t moving = 0;
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x)
         for (const double offset : {0.01, 0.5, 0.99})
@@ -61,8 +61,8 @@ TEST(MotionMask, HoldsEveryPixelInWhichSomethingMovingIsSeen) {
               ++moving;
               ASSERT_TRUE(mask.moves(x, y)) << x << ' ' << y << " motion " << int(motion);
             }
-    EXPECT_GT(moving, 0u);
   }
+  EXPECT_GT(moving, 0u);
 }
 
 TEST(MotionMask, KnowsTheDirectionOfMotionThatHasOne) {
