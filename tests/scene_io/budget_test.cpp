@@ -3,12 +3,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <kairos/scene.h>
 
 #include "error_matchers.h"
 #include "gltf_builder.h"
+#include "gzip_text.h"
 #include "picture_files.h"
 #include "scene/scene.h"
 #include "temp_folder.h"
@@ -34,20 +34,6 @@ std::string sparse_gltf(int vertices) {
   gltf.root["accessors"][0].erase("bufferView");
   gltf.root["accessors"][0]["count"] = vertices;
   return gltf.text();
-}
-
-std::string packed(const std::string& text) {
-  z_stream stream{};
-  deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 9, Z_DEFAULT_STRATEGY);
-  std::string out(text.size() / 100 + 1000, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  stream.avail_in = static_cast<uInt>(text.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
 }
 
 TEST(Budget, IsOneForAllThatAreIncluded) {
@@ -108,7 +94,7 @@ TEST(Budget, BoundsMotionKeys) {
 
 TEST(Budget, BoundsUnpacking) {
   const TempFolder folder;
-  const std::string zeros = packed("WorldBegin\n" + std::string(50 << 20, ' '));
+  const std::string zeros = test::gzipped("WorldBegin\n" + std::string(50 << 20, ' '));
   ASSERT_LT(zeros.size(), 100000u);
   folder.write("zeros.pbrt.gz", zeros);
   const std::string path = folder.write("a.pbrt", "Include \"zeros.pbrt.gz\"\n");

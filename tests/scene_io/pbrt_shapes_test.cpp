@@ -2,8 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <zlib.h>
-
+#include "gzip_text.h"
 #include "pbrt_fixture.h"
 #include "scene_io/pbrt/gzip.h"
 
@@ -20,20 +19,6 @@ const std::string kPly =
     "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float u\n"
     "property float v\nelement face 1\nproperty list int int vertex_indices\nend_header\n"
     "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n4 0 1 2 3\n";
-
-std::string packed(const std::string& text) {
-  z_stream stream{};
-  EXPECT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, 31, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  std::string out(text.size() + 1000, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  stream.avail_in = static_cast<uInt>(text.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
-}
 
 class PbrtShapes : public PbrtTest {
  protected:
@@ -207,8 +192,8 @@ TEST_F(PbrtShapes, BadTrianglesAreDropped) {
 
 TEST_F(PbrtShapes, PlyMeshesPlainAndPacked) {
   folder_.write("models/a.ply", kPly);
-  folder_.write("models/b.ply.gz", packed(kPly));
-  folder_.write("c.pbrt.gz", packed("Shape \"plymesh\" \"string filename\" \"models/a.ply\""));
+  folder_.write("models/b.ply.gz", test::gzipped(kPly));
+  folder_.write("c.pbrt.gz", test::gzipped("Shape \"plymesh\" \"string filename\" \"models/a.ply\""));
   const Scene scene = load_world(
       "Shape \"plymesh\" \"string filename\" \"models/a.ply\"\n"
       "Shape \"plymesh\" \"string filename\" [ \"models/b.ply.gz\" ]\nInclude \"c.pbrt.gz\"");
@@ -224,7 +209,7 @@ TEST_F(PbrtShapes, PlyMeshesPlainAndPacked) {
 }
 
 TEST_F(PbrtShapes, PackedFilesAreNotTrusted) {
-  const std::string text(100000, 'x'), good = packed(text);
+  const std::string text(100000, 'x'), good = test::gzipped(text);
   const auto unpack = [](const std::string& bytes, uint64_t limit) { return pbrt::gunzip(bytes, limit, "p").size(); };
   EXPECT_EQ(unpack(good, 100000), 100000u);
   EXPECT_EQ(unpack(good + good, 1 << 20), 200000u);  // gzip files may be put one after the other
