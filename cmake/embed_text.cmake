@@ -1,6 +1,6 @@
-# Writes the source OUT with each of FILES (separated by |) as a string: namespace kairos::study, NAME_EXT for NAME.EXT.
+# Writes the source OUT with each of FILES (separated by |) as a string: NAME_EXT for NAME.EXT, in the namespace SPACE.
 cmake_minimum_required(VERSION 3.25)
-set(source "// Made from the files of src/study/page.\nnamespace kairos::study {\n")
+set(source "// Made from the files of a page.\nnamespace ${SPACE} {\n")
 string(REPLACE "|" ";" files "${FILES}")
 foreach(file IN LISTS files)
   cmake_path(GET file FILENAME name)
@@ -8,5 +8,5 @@ foreach(file IN LISTS files)
   file(READ ${file} text)
   string(APPEND source "extern const char* const ${name};\nconst char* const ${name} = R\"kairos(${text})kairos\";\n")
 endforeach()
-string(APPEND source "}  // namespace kairos::study\n")
+string(APPEND source "}  // namespace ${SPACE}\n")
 file(WRITE ${OUT} "${source}")

@@ -1,11 +1,14 @@
 // kairos expose: pictures of a file that holds time. kairos check: is it whole?
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include <kairos/error.h>
+#include <kairos/files.h>
 #include <kairos/time_file.h>
+#include <kairos/time_page.h>
 
 #include "arguments.h"
 #include "commands.h"
@@ -13,6 +16,7 @@
 #include "interrupt.h"
 #include "shutter_arguments.h"
 #include "time_arguments.h"
+#include "view_arguments.h"
 
 namespace kairos::cli {
 
@@ -21,12 +25,15 @@ namespace {
 struct ExposeArguments {
   std::string file, out, command_line;
   WriteOptions write;
+  ViewArguments view;
   std::optional<ShutterInterval> shutter;
   ExposureArguments exposure;
   std::optional<Duration> at;
   std::optional<FrameRange> frames;
   std::optional<double> fps;
-  int stack = 0;  ///< pictures; 0: none
+  int stack = 0;     ///< pictures; 0: none
+  std::string page;  ///< its file, or empty
+  int page_width = ShutterPageOptions().width;
   bool coverage = false, quiet = false;
   int threads = 0;
 };
@@ -98,6 +105,21 @@ Image expose(const ExposeArguments& arguments, const TimePicture& picture, const
   return image;
 }
 
+void write_page(const ExposeArguments& arguments, const TimePicture& picture) {
+  check_writable(arguments.page);
+  ShutterPageOptions options;
+  options.file = std::filesystem::path(arguments.file).filename().string();
+  options.width = arguments.page_width;
+  options.threads = arguments.threads;
+  options.progress = [](double) { return !interrupted(); };
+  begin_polling();
+  const std::string page = shutter_page(picture, options);
+  end_polling();
+  write_file(arguments.page, page);
+  log(arguments,
+      fmt::format("wrote {}, {:.1f} MB: open it in a browser", arguments.page, static_cast<double>(page.size()) / 1e6));
+}
+
 std::vector<Job> jobs_of(const ExposeArguments& arguments, const TimeFrame& frame) {
   const auto shutter = [&](const std::array<double, 2>& interval, double fps) {
     return shutter_of(arguments.exposure, interval, fps, frame.frame_width, frame.frame_height);
@@ -134,6 +156,8 @@ void run_expose(const ExposeArguments& arguments) {
   if (!file.info().finished)
     log(arguments, fmt::format("warning: {}: is not finished, {} of {} tiles are there; the others stay black",
                                arguments.file, file.info().tiles_there, file.info().tiles));
+  if (!arguments.page.empty()) write_page(arguments, picture);
+  if (arguments.out.empty()) return;
   const std::vector<Job> jobs = jobs_of(arguments, picture.frame());
   for (const Job& job : jobs) check_writable_image(job.out);
   if (arguments.at && !picture.quality().exact())
@@ -147,7 +171,10 @@ void run_expose(const ExposeArguments& arguments) {
   begin_polling();
   for (const Job& job : jobs) {
     const Image image = expose(arguments, picture, job, options);
-    write_interruptibly(image, job.out, arguments.write);
+    WriteOptions write = arguments.write;
+    write.view = arguments.view.choice.value_or(picture.frame().view);
+    write.exposure = arguments.view.exposure;
+    write_interruptibly(image, job.out, write);
     begin_polling();
     log(arguments, "wrote " + job.out);
   }
@@ -163,8 +190,15 @@ void add_expose_command(CLI::App& app, Action& chosen, const std::string& comman
   command.add_option("FILE", arguments->file, "A picture over time, .ktime")->required();
   command
       .add_option("-o,--output", arguments->out, "The picture to write; with --frames and --stack, %04d is a number")
-      ->type_name("OUT.exr|OUT.png")
-      ->required();
+      ->type_name("OUT.exr|OUT.png");
+  command
+      .add_option("--page", arguments->page,
+                  "Write a page on which the shutter is dragged, and the picture changes at once; in place of -o, or "
+                  "beside it")
+      ->type_name("OUT.html");
+  add_count(command, "--page-width", arguments->page_width, 1, 4096,
+            "Pixels across of the page's picture, at most; wider ones are reduced")
+      ->needs("--page");
   add_shutter(command, arguments->shutter);
   add_exposure_options(command, arguments->exposure);
   command
@@ -202,10 +236,13 @@ void add_expose_command(CLI::App& app, Action& chosen, const std::string& comman
           },
           "A further EXR layer: coverage")
       ->type_name("coverage");
+  add_view_options(command, arguments->view);
   command.add_flag("--half", arguments->write.half, "16-bit colours in EXR");
   add_count(command, "--threads", arguments->threads, 0, 1024, "Threads; 0: as many as the machine has");
   command.add_flag("--quiet", arguments->quiet, "No log, errors only");
-  command.callback([arguments, &chosen] {
+  command.callback([arguments, &chosen, &command] {
+    if (arguments->out.empty() && arguments->page.empty()) throw CLI::RequiredError("--output");
+    check_view(command, arguments->out);
     if (arguments->frames || arguments->stack > 0) FrameName::check("--output", arguments->out);
     chosen = [arguments] { run_expose(*arguments); };
   });

@@ -23,6 +23,7 @@
 #include "report.h"
 #include "sampling_arguments.h"
 #include "time_arguments.h"
+#include "view_arguments.h"
 
 namespace kairos::cli {
 
@@ -35,7 +36,7 @@ struct RenderArguments {
   TimeArguments time;
   std::string out, stats_file, command_line;  ///< names of files, or empty: with `frames`, of a sequence's
   std::optional<FrameRange> frames;
-  std::optional<ViewTransform> view;  ///< unset: as the shading asks for
+  ViewArguments view;
   LightArguments light;
   const CLI::App* command = nullptr;
   bool quiet = false;
@@ -43,12 +44,6 @@ struct RenderArguments {
 
 void log(const RenderArguments& arguments, const std::string& line) {
   if (!arguments.quiet) cli::log(line);
-}
-
-bool is_exr(const std::string& name) {
-  std::string extension = std::filesystem::path(name).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension == ".exr";
 }
 
 uint64_t total_rays(const RenderParams& params, const Shot& shot) {
@@ -77,11 +72,6 @@ void render_with_progress(const RenderArguments& arguments, const Shot& shot, co
     if (e.code() != ErrorCode::cancelled) throw;
   }
   throw Error(ErrorCode::cancelled, "", "interrupted");
-}
-
-/// Colours that say what a surface is stay as they are; light needs room for what is brighter than a screen.
-ViewTransform shown_by_default(const Shot& shot, ShadingKind shading) {
-  return shading == ShadingKind::whitted && reflects_light(shot) ? ViewTransform::filmic : ViewTransform::standard;
 }
 
 /// One picture of a sequence, or the only one.
@@ -181,7 +171,8 @@ void render_job(const RenderArguments& arguments, const Job& job, const std::str
     image.attributes.push_back({"kairos:command_line", arguments.command_line});
     if (arguments.frames) image.attributes.push_back({kFrameMarkName, mark});
     WriteOptions write = arguments.write;
-    write.view = arguments.view.value_or(shown_by_default(shot, arguments.sampling.params.shading));
+    write.view = arguments.view.choice.value_or(usual_view(shot, arguments.sampling.params.shading));
+    write.exposure = arguments.view.exposure;
     write_interruptibly(image, job.out, write);
   }
   timings.write = writing.seconds();
@@ -220,17 +211,7 @@ void add_picture_options(CLI::App& app, RenderArguments& out) {
   RenderParams& params = out.sampling.params;
   app.add_option("-o,--output", out.out, "The picture to write")->type_name("OUT.exr|OUT.png");
   app.add_flag("--half", out.write.half, "16-bit colours in EXR (depth stays 32-bit)");
-  app.add_option_function<std::string>(
-         "--view", [&out](const std::string& text) { out.view = parse_choice<ViewTransform>("--view", text); },
-         "How a PNG shows colours. standard: as they are, cut off at white; filmic: with a soft shoulder (default "
-         "where "
-         "the shading is lit)")
-      ->type_name("standard|filmic");
-  add_real(app, "--exposure", "Stops by which a PNG is brighter [0]", "EV", [&out](double v) {
-    constexpr double kMost = 100;
-    if (!(std::abs(v) <= kMost)) throw CLI::ValidationError("--exposure", "must be -100 to 100");
-    out.write.exposure = v;
-  });
+  add_view_options(app, out.view);
   app.add_option_function<std::string>(
          "--aov",
          [&params](const std::string& text) {
@@ -297,9 +278,7 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
                                      std::find(aovs.begin(), aovs.end(), Aov::albedo) != aovs.end();
     arguments->scene.shot.strict = arguments->scene.load.strict;
     arguments->light.apply(command, arguments->sampling.params, arguments->scene.shot);
-    if ((arguments->view || command.count("--exposure") > 0) && is_exr(arguments->out))
-      throw CLI::ValidationError(arguments->view ? "--view" : "--exposure",
-                                 "is for PNG: EXR holds the colours as they were rendered");
+    check_view(command, arguments->out);
     chosen = [arguments] { run_render(*arguments); };
   });
 }

@@ -46,4 +46,8 @@ class KAIROS_API Picture : public PixelConsumer {
   Image image_;
 };
 
+/// In which a screen shows a picture best, if nobody says: colours that say what a surface is stay as they are; light
+/// needs room for what is brighter than a screen.
+KAIROS_API ViewTransform usual_view(const Shot& shot, ShadingKind shading);
+
 }  // namespace kairos

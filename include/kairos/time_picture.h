@@ -46,7 +46,9 @@ struct TimeFrame {
   double frame_time = 0;                  ///< scene time from which a shutter's times are counted
   double fps = 24;                        ///< frames per unit of scene time
   double pixel_aspect = 1;
-  std::vector<Attribute> attributes;  ///< how it was made
+  bool alpha = false;                            ///< is coverage the colours' alpha? RenderParams::alpha
+  ViewTransform view = ViewTransform::standard;  ///< in which a screen shows it best
+  std::vector<Attribute> attributes;             ///< how it was made
 };
 
 /// The weight of a pixel, in shutter time, and whether all pixels of a row or a column have the same one.
@@ -76,8 +78,9 @@ class KAIROS_API TimePicture {
   const TimeFrame& frame() const;
   TimeQuality quality() const;
 
-  /// The integral of what every pixel shows times its weight: closed forms, no samples. Pixels that were not rendered
-  /// are black. Throws what reading a file does; Error(cancelled) when `progress` says so.
+  /// The integral of what every pixel shows times its weight: closed forms, no samples. Channels R, G and B, and A
+  /// where TimeFrame says alpha. Pixels that were not rendered are black. Throws what reading a file does;
+  /// Error(cancelled) when `progress` says so.
   Image expose(const PixelWeights& weights, const ExposeOptions& options = {}) const;
   Image expose(const TimeWeight& weight = {}, const ExposeOptions& options = {}) const;
 

@@ -41,6 +41,7 @@ Image empty_image(const TimeFrame& frame, bool coverage) {
   const size_t pixels = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
   for (const char* name : {"R", "G", "B"})
     image.channels.push_back({name, Channel::Storage::colour, std::vector<float>(pixels)});
+  if (frame.alpha) image.channels.push_back({"A", Channel::Storage::colour, std::vector<float>(pixels)});
   if (coverage) image.channels.push_back({"coverage.A", Channel::Storage::colour, std::vector<float>(pixels)});
   return image;
 }
@@ -63,7 +64,8 @@ Image develop(const TimeFrame& frame, TimeTiles& tiles, const ExposeOptions& opt
             for (int x = crop.x0; x < crop.x1; ++x, ++i) {
               const Lanes value = pixel(*tile, i, x, y);
               const size_t at = static_cast<size_t>(y) * static_cast<size_t>(frame.width) + static_cast<size_t>(x);
-              for (size_t c = 0; c < image.channels.size(); ++c) image.channels[c].values[at] = value[c];
+              for (size_t c = 0; c < image.channels.size(); ++c)
+                image.channels[c].values[at] = value[std::min<size_t>(c, 3)];
             }
         }
         done.fetch_add(1, std::memory_order_relaxed);

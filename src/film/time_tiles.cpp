@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <kairos/error.h>
+#include <kairos/picture.h>
 
 namespace kairos {
 
@@ -147,6 +148,8 @@ TimeFrame time_frame(const Shot& shot, const RenderParams& params, const FrameCl
   frame.frame_time = clock.frame_time;
   frame.fps = clock.fps;
   if (!projection.matrix) frame.pixel_aspect = projection.pixel_aspect;
+  frame.alpha = params.alpha;
+  frame.view = usual_view(shot, params.shading);
   Image described;
   describe(described, shot, params, {});
   for (Attribute& attribute : described.attributes)

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/web_page.h"
 #include "study/machine.h"
 #include "study/pictures.h"
 #include "study/summary.h"
@@ -153,28 +154,12 @@ Json machine_json() {
   return json;
 }
 
-void replace(std::string& text, const std::string& what, const std::string& by) {
-  const size_t at = text.find(what);
-  if (at != std::string::npos) text.replace(at, what.size(), by);
-}
-
 }  // namespace
 
 std::string page_of(const std::string& data) {
   std::string script;
   for (const char* part : {format_js, plot_js, tables_js, pictures_js, self_test_js, main_js}) script += part;
-  // "</" would end the element that holds the data; in JSON the slash may be escaped.
-  std::string safe;
-  safe.reserve(data.size());
-  for (size_t i = 0; i < data.size(); ++i) {
-    safe += data[i];
-    if (data[i] == '<' && i + 1 < data.size() && data[i + 1] == '/') safe += '\\';
-  }
-  std::string page = page_html;
-  replace(page, "/*style*/", style_css);
-  replace(page, "/*script*/", script);
-  replace(page, "/*data*/", safe);  // last: data are searched for nothing
-  return page;
+  return web_page(page_html, style_css, script, data);
 }
 
 void write_results(const StudyOptions& options, const StudyFolder& folder, const std::string& command_line) {

@@ -11,6 +11,7 @@
 
 #include <kairos/error.h>
 
+#include "base/web_page.h"
 #include "image/encode.h"
 #include "image/pixels.h"
 #include "study/measure.h"
@@ -159,19 +160,6 @@ PixelBox largest_excess(std::span<const uint8_t> a, std::span<const uint8_t> b, 
       best = {x, y, size.width, size.height};
     }
   return best;
-}
-
-std::string base64(std::span<const uint8_t> bytes) {
-  constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    const size_t count = std::min<size_t>(3, bytes.size() - i);
-    uint32_t word = 0;
-    for (size_t k = 0; k < 3; ++k) word = (word << 8) | (k < count ? bytes[i + k] : 0u);
-    for (size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[(word >> (18 - 6 * k)) & 63] : '=';
-  }
-  return text;
 }
 
 PagePictures pictures_of(const EntrySummary& entry, const StudyFolder& folder) {

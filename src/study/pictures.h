@@ -55,6 +55,4 @@ PagePictures pictures_of(const EntrySummary& entry, const StudyFolder& folder);
 /// being the differences that error codes stand for. `size` is no larger than the picture.
 PixelBox largest_excess(std::span<const uint8_t> a, std::span<const uint8_t> b, int width, PixelBox size);
 
-std::string base64(std::span<const uint8_t> bytes);
-
 }  // namespace kairos::study

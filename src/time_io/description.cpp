@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <kairos/error.h>
+#include <kairos/names.h>
 
 #include "time_io/file_layout.h"
 
@@ -69,6 +70,8 @@ std::string description_text(const FileDescription& description) {
   root["pixel_aspect"] = frame.pixel_aspect;
   root["channels"] = {"R", "G", "B", "A"};
   root["colour"] = "linear Rec. 709, scene-referred; A is coverage";
+  root["alpha"] = frame.alpha;
+  root["view"] = to_string(frame.view);
   root["tolerance"] = description.tolerance;
   root["tolerance_unit"] = "shutter time x max(1, mean of the channel)";
   root["mark"] = description.mark;
@@ -104,6 +107,9 @@ FileDescription parse_description(const std::string& text, const std::string& pa
     frame.frame_time = root.at("frame_time_s").get<double>();
     frame.fps = root.at("fps").get<double>();
     frame.pixel_aspect = root.at("pixel_aspect").get<double>();
+    frame.alpha = root.value("alpha", false);
+    frame.view =
+        root.value("view", "") == to_string(ViewTransform::filmic) ? ViewTransform::filmic : ViewTransform::standard;
     description.tolerance = root.at("tolerance").get<double>();
     description.mark = root.at("mark").get<std::string>();
     for (const auto& [name, value] : root.at("attributes").items()) {

@@ -55,6 +55,31 @@ TEST_F(CliTime, AllOfTheTimeIsThePictureBesideIt) {
   }
 }
 
+TEST_F(CliTime, KeepsAlphaAndHowScreensShowIt) {
+  ok("render scene.json --quiet --tc-rays 2 --fps 10 --shutter 0,10 --background transparent --lights studio "
+     "-o beside.exr --time file.ktime --time-tolerance exact");
+  ok("expose file.ktime --quiet -o exposed.exr");
+  const Image beside = image("beside.exr"), exposed = image("exposed.exr");
+  ASSERT_NE(exposed.find("A"), nullptr);
+  double most = 0, least = 1;
+  for (size_t i = 0; i < beside.find("A")->values.size(); ++i) {
+    const float alpha = beside.find("A")->values[i];
+    EXPECT_NEAR(exposed.find("A")->values[i], alpha, 1e-6);
+    most = std::max(most, static_cast<double>(alpha));
+    least = std::min(least, static_cast<double>(alpha));
+  }
+  EXPECT_GT(most, least) << "else any constant would do";
+
+  ok("expose file.ktime --quiet -o exposed.png");
+  ok("expose file.ktime --quiet -o filmic.png --view filmic");
+  ok("expose file.ktime --quiet -o brighter.png --exposure 2");
+  ok("expose file.ktime --quiet -o standard.png --view standard --exposure 2");
+  const auto green = [&](const std::string& name) { return image(name).find("G")->values; };
+  EXPECT_TRUE(green("exposed.png") == green("filmic.png")) << "lit pictures are shown so by themselves";
+  EXPECT_TRUE(green("exposed.png") != green("brighter.png"));
+  EXPECT_TRUE(green("standard.png") != green("brighter.png"));
+}
+
 // Rays do not depend on the shutter, and straight motion between two keys stays what it is. (Beside a file of their
 // own, fresh pictures have the same rays: those of a picture alone are put where they serve its own shutter best.)
 TEST_F(CliTime, APartOfTheTimeIsARenderingOfIt) {
@@ -123,6 +148,26 @@ TEST_F(CliTime, SaysWhatIsInAFile) {
   EXPECT_THAT(refusal("check bad.ktime", 1), HasSubstr("bad.ktime"));
 }
 
+TEST_F(CliTime, WritesAPage) {
+  ok(std::string(kRender) + "--shutter 0,10 --time '<b>.ktime'");
+  ok("expose '<b>.ktime' --quiet --page page.html --page-width 20");
+  const std::string page = read(path("page.html"));
+  const size_t data = page.find("id=\"data\">") + std::string("id=\"data\">").size();
+  const json held = json::parse(page.substr(data, page.find("</script>", data) - data), nullptr, false);
+  EXPECT_EQ(held.at("width"), 16) << "of 32";
+  EXPECT_EQ(held.at("height"), 10);
+  EXPECT_EQ(held.at("file"), "<b>.ktime");
+  EXPECT_GE(held.at("pieces"), 160);
+  ok("expose '<b>.ktime' --quiet --page page.html -o both.exr");
+  EXPECT_TRUE(exists("both.exr"));
+
+  ok(std::string(kRender) + "--shutter 3,3 --time still.ktime");
+  EXPECT_THAT(refusal("expose still.ktime --quiet --page still.html", 1), HasSubstr("a single instant"));
+  EXPECT_THAT(refusal("expose still.ktime --quiet --page no/still.html", 1), HasSubstr("no/still.html"));
+  EXPECT_THAT(refusal("expose still.ktime -o a.png --page-width 20", 2), HasSubstr("--page"));
+  EXPECT_FALSE(exists("still.html"));
+}
+
 TEST_F(CliTime, RefusesInOneLine) {
   ok(std::string(kRender) + "--shutter 0,10 --time all.ktime");
   EXPECT_THAT(refusal("expose all.ktime -o a.exr --quiet --shutter 0.9s,1.2s", 1), HasSubstr("--shutter 0,12"));
@@ -132,6 +177,7 @@ TEST_F(CliTime, RefusesInOneLine) {
   EXPECT_THAT(refusal("expose none.ktime -o a.exr --quiet", 1), HasSubstr("none.ktime"));
   EXPECT_THAT(refusal("expose all.ktime -o a.exr --at 1 --stack 3", 2), HasSubstr("--stack"));
   EXPECT_THAT(refusal("expose all.ktime -o a.exr --stack 3", 2), HasSubstr("--output"));
+  EXPECT_THAT(refusal("expose all.ktime -o a.exr --view filmic", 2), HasSubstr("is for PNG"));
   EXPECT_THAT(refusal("expose all.ktime -o a.exr --aov depth", 2), HasSubstr("--aov"));
   EXPECT_THAT(refusal(std::string(kRender), 2), HasSubstr("--output"));
   EXPECT_THAT(refusal(std::string(kRender) + "--integrator qmc --time a.ktime", 2), HasSubstr("use the integrator tc"));

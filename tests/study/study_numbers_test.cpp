@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/web_page.h"
 #include "study/countdown.h"
 #include "study/curve.h"
 #include "study/measure.h"
