@@ -5,4 +5,4 @@ cd "$(dirname "$0")/.."
 
 arguments=(-i)
 if [[ "${1:-}" == --check ]]; then arguments=(--dry-run --Werror); fi
-find apps bench fuzz include src tests -name '*.cpp' -o -name '*.h' | sort | xargs clang-format "${arguments[@]}"
+find apps bench fuzz include python src tests -name '*.cpp' -o -name '*.h' | sort | xargs clang-format "${arguments[@]}"

@@ -1,14 +1,16 @@
 """What README.md and docs/ say, tried out.
 
-Usage: docs.py commands|programs|options|references PROJECT_ROOT BUILD_DIR COMPILER
+Usage: docs.py commands|programs|python|options|references PROJECT_ROOT BUILD_DIR COMPILER
 
 commands    every line of a ```sh block runs, in an empty folder that holds the demo scene and the program where the page
             says they are
 programs    every ```cpp block compiles, runs, and prints the ```text block that follows
+python      every ```python block runs in such a folder, with the package of the build, and prints the ```text block that follows
 options     docs/command-line.md describes every subcommand and option that --help shows, and no other
 references  links between pages lead somewhere, and so do the sections of docs/method.md that source files name
 """
 
+import os
 import pathlib
 import re
 import shutil
@@ -88,6 +90,30 @@ def check_programs():
     check(count >= 2, f"only {count} programs")
 
 
+def check_python():
+    count = 0
+    environment = {**os.environ, "PYTHONPATH": str(build / "lib/python3/dist-packages")}
+    for page in pages:
+        text = page.read_text()
+        for program, end in blocks(page, "python"):
+            expected = re.match(r"(?:\s*prints\s*|\s*)```text\n(.*?)```", text[end:], re.DOTALL)
+            folder = workshop()
+            done = run([sys.executable, "-W", "error", "-c", program], folder, env=environment)
+            check(done.returncode == 0, f"{page.name}: status {done.returncode} from\n{program}\n{done.stdout}")
+            check(expected is None or done.stdout == expected[1], f"{page.name}: expected\n{expected and expected[1]}got\n{done.stdout}")
+            shutil.rmtree(folder)
+            count += 1
+    check(count >= 3, f"only {count} Python programs")
+    examples = sorted((root / "examples").glob("*.py"))
+    check(len(examples) >= 3, f"only {len(examples)} examples")
+    for example in examples:
+        folder = workshop()
+        done = run([sys.executable, "-W", "error", example], folder, env=environment)
+        check(done.returncode == 0, f"{example.name}: status {done.returncode}\n{done.stdout}")
+        check((folder / f"{example.stem}.png").exists(), f"{example.name}: wrote no {example.stem}.png")
+        shutil.rmtree(folder)
+
+
 def check_options():
     kairos = build / "bin/kairos"
     page = (root / "docs/command-line.md").read_text()
@@ -137,7 +163,7 @@ def check_references():
         check(placeholder or (root / path).exists(), f"{path} is named but not there")
 
 
-checks = {"commands": check_commands, "programs": check_programs, "options": check_options, "references": check_references}
+checks = {"commands": check_commands, "programs": check_programs, "python": check_python, "options": check_options, "references": check_references}
 checks[what]()
 if failures:
     sys.exit("\n\n".join(failures))
