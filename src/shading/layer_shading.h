@@ -42,7 +42,7 @@ class LayerShading {
       return stretch.mesh == kNoMesh ? shader_.sky_varies() : shader_.varies(stretch.mesh);
     };
     if (options.over_time)
-      cut_at_cells(stretches, options.grid, phase, varies);
+      cut_at_cells(stretches, options.grid, phase, joined, varies);
     else
       spread_samples(stretches, options.samples, share, phase, joined, varies, samples_);
     evaluations_ = 0;
@@ -78,21 +78,29 @@ class LayerShading {
     return back.mesh == kNoMesh ? next.mesh == kNoMesh : shader_.joined(back, next);
   }
 
-  /// Fills samples_: one for each cell of the grid that a stretch reaches into, anywhere in its part of the cell with
-  /// the same probability.
-  template <class Varies>
-  void cut_at_cells(std::span<const Segment> stretches, const TimeGrid& grid, float phase, const Varies& varies) {
+  /// Fills samples_: one for each cell of the grid that a cluster of stretches reaches into, anywhere in its part of
+  /// the cell with the same probability. A cluster that is shorter than a cell has one.
+  template <class Joined, class Varies>
+  void cut_at_cells(std::span<const Segment> stretches, const TimeGrid& grid, float phase, const Joined& joined,
+                    const Varies& varies) {
     samples_.clear();
-    for (uint32_t i = 0; i < stretches.size(); ++i) {
-      const Segment& stretch = stretches[i];
-      float begin = stretch.begin;
-      for (double cell = std::floor(grid.place(begin)) + 1; begin < stretch.end; ++cell) {
-        const float end = varies(stretch) ? std::clamp(grid.time_at(cell), begin, stretch.end) : stretch.end;
+    for (uint32_t first = 0; first < stretches.size();) {
+      const uint32_t after = end_of_cluster(stretches, first, joined);
+      float begin = stretches[first].begin;
+      const float last = stretches[after - 1].end;
+      const bool is_short = grid.place(last) - grid.place(begin) < 1 || !varies(stretches[first]);
+      uint32_t lies_in = first;
+      for (double cell = std::floor(grid.place(begin)) + 1; begin < last; ++cell) {
+        const float end = is_short ? last : std::clamp(grid.time_at(cell), begin, last);
         if (!(begin < end)) continue;
         const float latest = std::nextafter(end, 0.0f);
-        samples_.push_back({i, i, begin, end, std::clamp(begin + (end - begin) * phase, begin, latest)});
+        const float time = std::clamp(begin + (end - begin) * phase, begin, latest);
+        while (stretches[first].end <= begin) ++first;
+        while (stretches[lies_in].end <= time) ++lies_in;
+        samples_.push_back({first, lies_in, begin, end, time});
         begin = end;
       }
+      first = after;
     }
   }
 

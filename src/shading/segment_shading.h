@@ -38,16 +38,19 @@ class SegmentShading {
       evaluations_ += layers_.shade(ray, segments, blended, window, options_, share, phase, keys_, out);
       return;
     }
+    const auto joined = [&](const Segment& first, const Segment& second) {
+      return options_.clusters == Clusters::on && shader_.joined(first, second);
+    };
     if (options_.over_time) {
-      for (const Segment& segment : segments) shade_over_time(ray, segment, phase, out);
+      for (uint32_t first = 0, after = 0; first < segments.size(); first = after) {
+        after = end_of_cluster(segments, first, joined);
+        shade_over_time(ray, segments.subspan(first, after - first), phase, out);
+      }
       return;
     }
     spread_samples(
-        segments, options_.samples, share, phase,
-        [&](const Segment& first, const Segment& second) {
-          return options_.clusters == Clusters::on && shader_.joined(first, second);
-        },
-        [&](const Segment& s) { return shader_.varies(s.mesh); }, samples_);
+        segments, options_.samples, share, phase, joined, [&](const Segment& s) { return shader_.varies(s.mesh); },
+        samples_);
     for (const ShadingSample& sample : samples_) {
       const Segment& seen = segments[sample.segment];
       const uint32_t knot = add_knot(ray, seen, sample.time, keys_.next(sample.time), out);
@@ -69,47 +72,91 @@ class SegmentShading {
     return out.add_knot(time, shade.colour, shade.normal, shade.albedo);
   }
 
-  /// Adds a segment as one part: with a knot once in every cell of the grid, `phase` of a cell from its begin, and at
-  /// both ends. Where nothing varies or in less than a cell there is one, anywhere with the same probability.
-  void shade_over_time(const Ray& ray, const Segment& segment, float phase, RecordBuilder& out) {
+  /// When a cluster is shaded, and with which numbers.
+  struct Instant {
+    float time;
+    SampleKey key;
+  };
+
+  /// Adds a cluster, each segment as one part. It is shaded at both ends, and once in every cell of the grid, `phase`
+  /// of a cell from its begin, but for what is nearer than a cell to an end: as often, on average, as the cluster has
+  /// cells. Where nothing varies or in less than a cell it is shaded once, anywhere with the same probability.
+  void shade_over_time(const Ray& ray, std::span<const Segment> cluster, float phase, RecordBuilder& out) {
+    choose_instants(cluster, phase);
+    shades_.clear();
+    size_t seen = 0;
+    for (const Instant& instant : instants_) {
+      while (cluster[seen].end <= instant.time && seen + 1 < cluster.size()) ++seen;
+      shades_.push_back(shader_.shade(ray, cluster[seen].mesh, cluster[seen].triangle, instant.time, instant.key));
+    }
+    evaluations_ += instants_.size();
+    const auto add_knot = [&](float time, const Shade& shade) {
+      return out.add_knot(time, shade.colour, shade.normal, shade.albedo);
+    };
+    uint32_t knot = add_knot(instants_[0].time, shades_[0]);
+    size_t next = 1;  // instant
+    for (const Segment& segment : cluster) {
+      SeenPart part{segment, knot, 1};
+      if (instants_.size() > 1) {
+        const bool last = &segment == &cluster.back();
+        for (; next < instants_.size() && (last || instants_[next].time < segment.end); ++next, ++part.knots)
+          knot = add_knot(instants_[next].time, shades_[next]);
+        if (!last) {  // the colour goes on, and the next segment begins with this knot
+          knot = add_knot(segment.end, between(next, segment.end));
+          ++part.knots;
+        }
+      }
+      out.add_part(part);
+    }
+  }
+
+  /// Fills instants_.
+  void choose_instants(std::span<const Segment> cluster, float phase) {
     const TimeGrid& grid = options_.grid;
-    const double begin = grid.place(segment.begin), end = grid.place(segment.end);
+    const Segment &front = cluster.front(), &back = cluster.back();
+    const double begin = grid.place(front.begin), end = grid.place(back.end);
     // Half-open: at its very end something else is seen.
-    const float latest = std::nextafter(segment.end, 0.0f);
-    const auto inside = [&](float time) { return std::clamp(time, segment.begin, std::max(segment.begin, latest)); };
+    const float latest = std::nextafter(back.end, 0.0f);
+    const auto inside = [&](float time) { return std::clamp(time, front.begin, std::max(front.begin, latest)); };
     const double first = std::ceil(begin - static_cast<double>(phase)),
                  after = std::ceil(end - static_cast<double>(phase));
     // Ends are named by their triangle: two of them may lie in the cell of a knot.
-    const auto end_key = [&](double place, uint64_t which) {
+    const auto end_key = [&](double place, uint64_t which, const Segment& segment) {
       return keys_.at(std::floor(place)).branch(hash(kEndBranch, which, segment.mesh, segment.triangle));
     };
-    SeenPart part{segment, out.knot_count(), 0};
-    const auto add = [&](float time, const SampleKey& key) {
-      add_knot(ray, segment, inside(time), key, out);
-      ++part.knots;
-    };
-    const bool is_short = !shader_.varies(segment.mesh) || end - begin < 1;
+    instants_.clear();
+    const auto add = [&](float time, const SampleKey& key) { instants_.push_back({inside(time), key}); };
+    const bool is_short = !shader_.varies(front.mesh) || end - begin < 1;
     if (is_short && first < after) {
       add(grid.time_at(first + static_cast<double>(phase)), keys_.at(first));
     } else if (is_short) {
-      const SampleKey key = end_key(begin, 0);
+      const SampleKey key = end_key(begin, 0, front);
       const float place = unit_float(hash(key.seed, key.index, kShareDimension));
-      add(segment.begin + (segment.end - segment.begin) * place, key);
+      add(front.begin + (back.end - front.begin) * place, key);
     } else {
-      add(segment.begin, end_key(begin, 0));
-      for (double cell = first; cell < after; ++cell) {
-        const float time = grid.time_at(cell + static_cast<double>(phase));
-        if (time > segment.begin && time < latest) add(time, keys_.at(cell));
-      }
-      add(segment.end, end_key(end, 1));
+      add(front.begin, end_key(begin, 0, front));
+      for (double cell = first + 1; cell + 1 < after; ++cell)
+        add(grid.time_at(cell + static_cast<double>(phase)), keys_.at(cell));
+      add(back.end, end_key(end, 1, back));
     }
-    out.add_part(part);
+  }
+
+  /// On the straight line from the instant before `next` to that one.
+  Shade between(size_t next, float time) const {
+    const Shade &a = shades_[next - 1], &b = shades_[next];
+    const float from = instants_[next - 1].time, to = instants_[next].time;
+    const float share = to > from ? (time - from) / (to - from) : 0.0f;
+    const Vec3f normal = lerp(a.normal, b.normal, share);
+    const float length = std::sqrt(dot(normal, normal));
+    return {lerp(a.colour, b.colour, share), length > 0 ? normal / length : Vec3f{}, lerp(a.albedo, b.albedo, share)};
   }
 
   const Shader& shader_;
   ShadingOptions options_;
   LayerShading layers_;
   std::vector<ShadingSample> samples_;
+  std::vector<Instant> instants_;
+  std::vector<Shade> shades_;  // [instant]
   SampleKeys keys_;
   uint64_t evaluations_ = 0;
 };

@@ -17,7 +17,7 @@ namespace kairos {
 struct ShadingOptions {
   double samples = 8;                ///< per ray, while the shutter is open
   Clusters clusters = Clusters::on;  ///< not automatic
-  bool over_time = false;            ///< colours as functions of time, each at its own instants; then without clusters
+  bool over_time = false;  ///< colours as functions of time, each at its own instants; not with Clusters::pixel
   TimeGrid grid{8};
 };
 inline Clusters clusters_of(const RenderParams& params) {
@@ -36,7 +36,21 @@ inline ShadingOptions shading_options(const Shot& shot, const RenderParams& para
                         : close > open              ? TimeGrid(open, close, close - open, cells)
                                                     : TimeGrid(cells);
   const double samples = params.shading_interval > 0 ? grid.count() : params.shading_samples;
-  return {samples, needs.over_time() ? Clusters::off : clusters_of(params), needs.over_time(), grid};
+  Clusters clusters = clusters_of(params);
+  if (needs.over_time() && clusters == Clusters::pixel)
+    clusters = Clusters::on;  // of a pixel's rays, at other instants
+  return {samples, clusters, needs.over_time(), grid};
+}
+
+/// The end of the cluster that begins with segment `first`: of the longest run of segments that touch and of which
+/// joined(segment, next) is true.
+template <class Joined>
+uint32_t end_of_cluster(std::span<const Segment> segments, uint32_t first, const Joined& joined) {
+  uint32_t after = first + 1;
+  while (after < segments.size() && segments[after].begin == segments[after - 1].end &&
+         joined(segments[after - 1], segments[after]))
+    ++after;
+  return after;
 }
 
 /// A stretch of a cluster of segments, and the instant at which it is shaded: its duration is the sample's weight.
@@ -64,8 +78,7 @@ void spread_samples(std::span<const Segment> segments, double samples, double sh
   for (const Segment& s : segments) visible += static_cast<double>(s.end) - static_cast<double>(s.begin);
   const auto count = static_cast<uint32_t>(segments.size());
   for (uint32_t first = 0, next = 0; first < count; first = next) {
-    for (next = first + 1; next < count; ++next)
-      if (segments[next].begin != segments[next - 1].end || !joined(segments[next - 1], segments[next])) break;
+    next = end_of_cluster(segments, first, joined);
     const float cluster_begin = segments[first].begin, cluster_end = segments[next - 1].end;
     const double after = before + (static_cast<double>(cluster_end) - static_cast<double>(cluster_begin));
     const double marks = std::floor(after / visible * samples + share) - std::floor(before / visible * samples + share);

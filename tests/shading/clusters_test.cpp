@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <kairos/picture.h>
 #include <kairos/render.h>
 
 #include "integrators/integrator.h"
@@ -103,6 +104,36 @@ TEST(Clusters, AreUnbiased) {
     ASSERT_GT(square_noise, 0);
     EXPECT_LT(std::abs(bias), 4.5 * std::sqrt(square_noise)) << "of the whole picture";
     EXPECT_LT(bias_squares, 1.5 * square_noise) << "of single pixels";
+  }
+}
+
+// Where colours are functions of time, triangles of a smooth surface share shading, too, and an eighth of the shutter's
+// time looks as if each had been shaded alone.
+TEST(Clusters, ShareColoursOverTime) {
+  for (const auto mode : {Material::AlphaMode::opaque, Material::AlphaMode::blend}) {
+    const Shot shot = flying_ball(true, mode);
+    Renderer renderer(shot);
+    const auto eighth = [&](Clusters clusters, int samples, uint64_t& evaluations) {
+      RenderParams params = tc(ShadingKind::normal, clusters, samples);
+      Picture picture(shot.projection, params, TimeWeight({{0.5, 8}, {0.625, 8}}));
+      PixelConsumer* const consumer = &picture;
+      RenderStats stats;
+      renderer.render(params, {&consumer, 1}, &stats);
+      evaluations = stats.shading_samples;
+      return picture.take();
+    };
+    uint64_t with = 0, without = 0, many = 0;
+    const Image shared = eighth(Clusters::on, 8, with), alone = eighth(Clusters::off, 8, without),
+                exact = eighth(Clusters::off, 256, many);
+    EXPECT_LT(static_cast<double>(with), 0.6 * static_cast<double>(without));
+    const auto error = [&](const Image& image) {
+      double squares = 0;
+      for (size_t i = 0; i < values(exact, "G").size(); ++i)
+        squares += std::pow(values(image, "G")[i] - values(exact, "G")[i], 2);
+      return std::sqrt(squares / static_cast<double>(values(exact, "G").size()));
+    };
+    EXPECT_LT(error(shared), 0.01) << "and " << error(alone) << " alone";
+    EXPECT_GT(error(shared), 0) << "else nothing was shared";
   }
 }
 
