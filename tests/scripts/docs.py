@@ -4,7 +4,7 @@ Usage: docs.py commands|programs|python|options|references PROJECT_ROOT BUILD_DI
 
 commands    every line of a ```sh block runs, in an empty folder that holds the demo scene and the program where the page
             says they are
-programs    every ```cpp block compiles, runs, and prints the ```text block that follows
+programs    every ```cpp and ```c block compiles, runs, and prints the ```text block that follows
 python      every ```python block runs in such a folder, with the package of the build, and prints the ```text block that follows
 options     docs/command-line.md describes every subcommand and option that --help shows, and no other
 references  links between pages lead somewhere, and so do the sections of docs/method.md that source files name
@@ -72,14 +72,17 @@ def check_programs():
     count = 0
     for page in pages:
         text = page.read_text()
-        for program, end in blocks(page, "cpp"):
+        c = ["cc", "-std=c99"]
+        for program, end, with_compiler in [(*block, [compiler, "-std=c++20"]) for block in blocks(page, "cpp")] + \
+                                           [(*block, c) for block in blocks(page, "c")]:
             expected = re.search(r"```text\n(.*?)```", text[end:], re.DOTALL)
             if not expected:
                 check(False, f"{page.name}: a program without the output it prints")
                 continue
             folder = workshop()
-            (folder / "program.cpp").write_text(program)
-            done = run([compiler, "-std=c++20", "-Wall", "-Wextra", "-Werror", "program.cpp", "-o", "program",
+            source = f"program.{'c' if with_compiler is c else 'cpp'}"
+            (folder / source).write_text(program)
+            done = run([*with_compiler, "-Wall", "-Wextra", "-Wpedantic", "-Werror", source, "-o", "program",
                         f"-I{root}/include", f"-L{build}/lib", "-lkairos", f"-Wl,-rpath,{build}/lib"], folder)
             if done.returncode == 0:
                 done = run(["./program"], folder)

@@ -32,7 +32,7 @@ def check_headers():
     check(len(headers) > 5, f"only {len(headers)} public headers")
     for header in headers:
         for name in includes(header):
-            standard = re.fullmatch(r"<[a-z_]+>", name)
+            standard = re.fullmatch(r"<[a-z_]+>|<std(def|int)\.h>", name)
             public = re.fullmatch(r"<kairos/[a-z_]+\.h>", name)
             check(standard or public, f"{header.name} includes {name}")
         # Twice, since each must bear that.
@@ -67,18 +67,20 @@ def public_names():
         if header.name == "export.h":
             continue
         inner = re.search(r"^namespace kairos::(\w+)", text, re.MULTILINE)
-        place = f"kairos::{inner[1]}" if inner else "kairos"
+        place = f"kairos::{inner[1]}::" if inner else "kairos::"
+        if header.name == "kairos.h":  # C
+            place, text = "", re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
         for match in re.finditer(r"KAIROS_API\s+", text):
             rest = text[match.end():]
             before = text[:match.start()].rstrip()
             if re.search(r"\b(class|struct)$", before):
-                classes.add(f"{place}::{re.match(r'[A-Za-z_]+', rest)[0]}")
+                classes.add(f"{place}{re.match(r'[A-Za-z_]+', rest)[0]}")
                 continue
             name = re.match(r"[^;({]*?(operator\S+?|\w+)\s*\(", rest)[1]
             # A marked member stands behind the last struct that has not ended: of those with two spaces before it.
             line = text[:match.start()].rsplit("\n", 1)[-1]
             owner = re.findall(r"^struct (\w+)[^;]*\{", text[:match.start()], re.MULTILINE)
-            functions.add(f"{place}::{owner[-1]}::{name}" if line.startswith("  ") and owner else f"{place}::{name}")
+            functions.add(f"{place}{owner[-1]}::{name}" if line.startswith("  ") and owner else f"{place}{name}")
     return classes, functions
 
 
