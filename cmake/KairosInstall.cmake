@@ -13,3 +13,35 @@ configure_package_config_file(cmake/kairos-config.cmake.in ${CMAKE_CURRENT_BINAR
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/kairos-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/kairos-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/kairos-config-version.cmake
   DESTINATION ${package_dir})
+
+# For those who build with neither CMake nor Python. Paths are relative to the file: a prefix can be moved.
+file(RELATIVE_PATH prefix_from_pc /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+string(REGEX REPLACE "/$" "" prefix_from_pc "${prefix_from_pc}")
+configure_file(cmake/kairos.pc.in ${CMAKE_CURRENT_BINARY_DIR}/kairos.pc @ONLY)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/kairos.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+# What the program says of itself: completions of shells and, where there is help2man, pages for man.
+if(KAIROS_SANITIZE)
+  return()
+endif()
+set(words_dir ${CMAKE_CURRENT_BINARY_DIR}/share)
+set(made ${words_dir}/kairos.bash ${words_dir}/_kairos ${words_dir}/kairos.fish)
+set(commands COMMAND kairos_cli completion bash > ${words_dir}/kairos.bash
+  COMMAND kairos_cli completion zsh > ${words_dir}/_kairos COMMAND kairos_cli completion fish > ${words_dir}/kairos.fish)
+install(FILES ${words_dir}/kairos.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME kairos)
+install(FILES ${words_dir}/_kairos DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
+install(FILES ${words_dir}/kairos.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+find_program(HELP2MAN help2man)
+if(HELP2MAN)
+  foreach(subcommand IN ITEMS "" render expose check calibrate query info compare study completion)
+    string(JOIN - page kairos ${subcommand})
+    string(JOIN " " call $<TARGET_FILE:kairos_cli> ${subcommand})
+    list(APPEND commands COMMAND ${HELP2MAN} --no-info --section 1 --name "ray tracing in which time is integrated exactly"
+      --version-string ${PROJECT_VERSION} --output ${words_dir}/${page}.1 ${call})
+    list(APPEND made ${words_dir}/${page}.1)
+    install(FILES ${words_dir}/${page}.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+  endforeach()
+endif()
+file(MAKE_DIRECTORY ${words_dir})
+add_custom_command(OUTPUT ${made} ${commands} DEPENDS kairos_cli VERBATIM)
+add_custom_target(kairos_words ALL DEPENDS ${made})

@@ -1,5 +1,5 @@
-// The command line: kairos render|expose|calibrate|query|info|compare|check|study. Exit status 0 on success, 1 on bad
-// input or a failed render, 2 on bad usage.
+// The command line: kairos render|expose|calibrate|query|info|compare|check|study|completion. Exit status 0 on success,
+// 1 on bad input or a failed render, 2 on bad usage.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <kairos/error.h>
+#include <kairos/tracer.h>
 #include <kairos/version.h>
 
 #include "commands.h"
@@ -49,9 +50,16 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
+std::string version_text() {
+  std::string kernels;
+  for (const auto set : kairos::supported_instruction_sets()) kernels += " " + std::string(kairos::to_string(set));
+  return fmt::format("kairos {}\nbuilt with {}\nkernels on this machine:{}", kairos::version(), kairos::built_with(),
+                     kernels);
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Kairos: ray tracing in which time is integrated exactly", "kairos");
-  app.set_version_flag("--version", std::string("kairos ") + kairos::version(), "Print the version and end");
+  app.set_version_flag("--version", version_text(), "Print the version, with what it was built, and end");
   app.require_subcommand(1);
   kairos::cli::Action chosen;
   std::string command_line = "kairos";
@@ -64,6 +72,7 @@ int run(int argc, char** argv) {
   kairos::cli::add_compare_command(app, chosen);
   kairos::cli::add_check_command(app, chosen);
   kairos::cli::add_study_command(app, chosen, command_line);
+  kairos::cli::add_completion_command(app, chosen);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

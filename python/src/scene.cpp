@@ -140,7 +140,7 @@ CameraDescription camera_from(py::handle camera) {
 }
 
 Light light_from(py::handle light) {
-  const auto kind = cast<std::string>("light", light.get_type().attr("__name__"), "text");
+  const auto kind = cast<std::string>("light", py::type::handle_of(light).attr("__name__"), "text");
   Reader reader(kind, py::dict(light.attr("__dict__")));
   if (kind == "PointLight") {
     PointLight out{};

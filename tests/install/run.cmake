@@ -25,5 +25,18 @@ run(COMMAND ${CMAKE_COMMAND} -S ${SOURCE_DIR}/tests/install -B ${work}/consumer 
 run(COMMAND ${CMAKE_COMMAND} --build ${work}/consumer)
 # At height 0 the triangle is one wide and moves eight: an eighth of the time, around the middle.
 run(COMMAND ${work}/consumer/consumer OUTPUT "^triangle 0 from 0.4375 to 0.5625 at distance 2.00\n$")
-# The program finds its library where it was moved to.
-run(COMMAND ${work}/moved/bin/kairos --version OUTPUT "kairos ${VERSION}")
+# The program finds its library where it was moved to, and says what it was built with.
+run(COMMAND ${work}/moved/bin/kairos --version OUTPUT "kairos ${VERSION}\nbuilt with .*, Release, embree 3\\.[0-9].*\nkernels on this machine: scalar")
+# The same by pkg-config.
+file(GLOB_RECURSE pc ${work}/moved/lib*/kairos.pc)
+cmake_path(GET pc PARENT_PATH pc)
+run(COMMAND sh -c "${COMPILER} -std=c++20 ${SOURCE_DIR}/tests/install/consumer.cpp -o ${work}/by_pc \
+  $(PKG_CONFIG_PATH=${pc} pkg-config --cflags --libs kairos) -Wl,-rpath,$(PKG_CONFIG_PATH=${pc} pkg-config --variable=libdir kairos)")
+run(COMMAND ${work}/by_pc OUTPUT "^triangle 0 from 0.4375 to 0.5625 at distance 2.00\n$")
+# bash completes subcommands, options and values.
+run(COMMAND bash -c "source ${work}/moved/share/bash-completion/completions/kairos
+  complete -p kairos >/dev/null
+  try() { COMP_WORDS=(\"$@\") COMP_CWORD=$(($# - 1)) && _kairos && echo \"\${COMPREPLY[*]}\"
+  }
+  try kairos re && try kairos render --tc && try kairos render --filter b"
+  OUTPUT "^render\n--tc-rays\nbox blackman-harris\n$")
