@@ -20,7 +20,10 @@ target_compile_options(kairos_options INTERFACE
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # False positives of GCC 12 in optimised standard-library code.
   target_compile_options(kairos_options INTERFACE
-    -Wno-restrict -Wno-array-bounds -Wno-stringop-overflow -Wno-maybe-uninitialized)
+    -Wno-restrict -Wno-array-bounds -Wno-stringop-overflow -Wno-maybe-uninitialized
+    # A class of a source file may hold what that file's anonymous namespace declares. GCC knows which file is a source only
+    # as long as it isn't included by another.
+    $<$<BOOL:${CMAKE_UNITY_BUILD}>:-Wno-subobject-linkage>)
 endif()
 # What files may do to the process, should a parser of ours or of others be wrong after all: no overwritten return address,
 # no table of functions to write to, nothing to run on the stack. Sanitizers bring stricter means of their own.
@@ -39,4 +42,8 @@ endif()
 
 if(KAIROS_TIDY)
   set(CMAKE_CXX_CLANG_TIDY clang-tidy --quiet)  # reads .clang-tidy
+  if(CMAKE_UNITY_BUILD)  # the files that the code is in are included by others
+    list(APPEND CMAKE_CXX_CLANG_TIDY --checks=-bugprone-suspicious-include
+      "--header-filter=(include/kairos|/src|/apps|/fuzz)/.*\\.(h|cpp)$")
+  endif()
 endif()

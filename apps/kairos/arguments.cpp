@@ -34,16 +34,11 @@ std::vector<std::string_view> split(const std::string& option, std::string_view 
   return parts;
 }
 
-namespace {
-
-/// Without what it ends with; false where it does not.
 bool take_suffix(std::string_view& text, std::string_view suffix) {
   if (!text.ends_with(suffix)) return false;
   text.remove_suffix(suffix.size());
   return true;
 }
-
-}  // namespace
 
 Duration parse_duration(const std::string& option, std::string_view text) {
   std::string_view number = text;

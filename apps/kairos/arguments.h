@@ -22,9 +22,13 @@ namespace kairos::cli {
 // Strict: the whole text, decimal, finite. Throw CLI::ValidationError that names the option.
 uint64_t parse_count(const std::string& option, std::string_view text, uint64_t least, uint64_t most);
 double parse_real(const std::string& option, std::string_view text);
+
 /// Exactly `count` of them, separated by `separator`.
 std::vector<std::string_view> split(const std::string& option, std::string_view text, char separator, size_t count,
                                     const char* form);
+
+/// `text` without the suffix that it ends with; false where it does not.
+bool take_suffix(std::string_view& text, std::string_view suffix);
 
 /// An option that takes a whole number in [least, most].
 template <class Number>

@@ -60,7 +60,7 @@ void check_inside(const ExposeArguments& arguments, const TimeFrame& frame, doub
 }
 
 /// A picture to make: of a shutter, or of an instant.
-struct Job {
+struct PictureJob {
   std::string out;
   double frame_time = 0;  ///< scene time from which the times below are counted
   Shutter shutter;
@@ -75,7 +75,7 @@ PixelWeights weights_of(const Exposure& exposure) {
           shutter.map != nullptr || (rolls && rows)};
 }
 
-Image expose(const ExposeArguments& arguments, const TimePicture& picture, const Job& job,
+Image expose(const ExposeArguments& arguments, const TimePicture& picture, const PictureJob& job,
              const ExposeOptions& options) {
   const TimeFrame& frame = picture.frame();
   Image image;
@@ -120,7 +120,7 @@ void write_page(const ExposeArguments& arguments, const TimePicture& picture) {
       fmt::format("wrote {}, {:.1f} MB: open it in a browser", arguments.page, static_cast<double>(page.size()) / 1e6));
 }
 
-std::vector<Job> jobs_of(const ExposeArguments& arguments, const TimeFrame& frame) {
+std::vector<PictureJob> jobs_of(const ExposeArguments& arguments, const TimeFrame& frame) {
   const auto shutter = [&](const std::array<double, 2>& interval, double fps) {
     return shutter_of(arguments.exposure, interval, fps, frame.frame_width, frame.frame_height);
   };
@@ -131,7 +131,7 @@ std::vector<Job> jobs_of(const ExposeArguments& arguments, const TimeFrame& fram
   const std::array<double, 2> all{frame.open - frame.frame_time, frame.close - frame.frame_time};
   const double fps = arguments.fps.value_or(frame.fps);
   if (arguments.at) return {{arguments.out, frame.frame_time, {}, arguments.at->in_seconds(fps)}};
-  std::vector<Job> jobs;
+  std::vector<PictureJob> jobs;
   if (arguments.frames) {
     const FrameName out("--output", arguments.out);
     const std::array<double, 2> interval = arguments.shutter ? seconds(fps) : std::array<double, 2>{0, 0.5 / fps};
@@ -158,8 +158,8 @@ void run_expose(const ExposeArguments& arguments) {
                                arguments.file, file.info().tiles_there, file.info().tiles));
   if (!arguments.page.empty()) write_page(arguments, picture);
   if (arguments.out.empty()) return;
-  const std::vector<Job> jobs = jobs_of(arguments, picture.frame());
-  for (const Job& job : jobs) check_writable_image(job.out);
+  const std::vector<PictureJob> jobs = jobs_of(arguments, picture.frame());
+  for (const PictureJob& job : jobs) check_writable_image(job.out);
   if (arguments.at && !picture.quality().exact())
     log(arguments,
         "note: what this file holds is exact for exposures, within its tolerance, and not for an instant; see "
@@ -169,7 +169,7 @@ void run_expose(const ExposeArguments& arguments) {
   options.threads = arguments.threads;
   options.progress = [](double) { return !interrupted(); };
   begin_polling();
-  for (const Job& job : jobs) {
+  for (const PictureJob& job : jobs) {
     const Image image = expose(arguments, picture, job, options);
     WriteOptions write = arguments.write;
     write.view = arguments.view.choice.value_or(picture.frame().view);

@@ -75,7 +75,7 @@ void render_with_progress(const RenderArguments& arguments, const Shot& shot, co
 }
 
 /// One picture of a sequence, or the only one.
-struct Job {
+struct FrameJob {
   ShotOptions shot;
   std::string out, stats_file;
 };
@@ -95,12 +95,12 @@ std::string mark_of(const RenderArguments& arguments) {
 
 /// The pictures that are not there yet. Throws Error(bad_input) where there is one of another sequence: frames that
 /// were made in different ways do not belong into one film, and nobody's picture is lost.
-std::vector<Job> jobs_of(const RenderArguments& arguments, const std::string& mark) {
+std::vector<FrameJob> jobs_of(const RenderArguments& arguments, const std::string& mark) {
   if (!arguments.frames) return {{arguments.scene.shot, arguments.out, arguments.stats_file}};
   const FrameName out("--output", arguments.out);
-  std::vector<Job> jobs;
+  std::vector<FrameJob> jobs;
   for (int frame = arguments.frames->first; frame <= arguments.frames->last; ++frame) {
-    Job job{arguments.scene.shot, out.at(frame), ""};
+    FrameJob job{arguments.scene.shot, out.at(frame), ""};
     if (!arguments.stats_file.empty()) job.stats_file = FrameName("--stats-file", arguments.stats_file).at(frame);
     // Pictures get their name when they are complete: what is there need not be made again.
     if (std::filesystem::is_regular_file(job.out)) {
@@ -119,7 +119,7 @@ std::vector<Job> jobs_of(const RenderArguments& arguments, const std::string& ma
   return jobs;
 }
 
-void render_job(const RenderArguments& arguments, const Job& job, const std::string& mark, const Scene& scene,
+void render_job(const RenderArguments& arguments, const FrameJob& job, const std::string& mark, const Scene& scene,
                 Timings timings, std::set<std::string>& told) {
   const Stopwatch reducing;
   SceneArguments of_job = arguments.scene;
@@ -184,8 +184,8 @@ void render_job(const RenderArguments& arguments, const Job& job, const std::str
 void run_render(RenderArguments& arguments) {
   read_calibration_into(arguments.sampling);
   const std::string mark = mark_of(arguments);
-  const std::vector<Job> jobs = jobs_of(arguments, mark);
-  for (const Job& job : jobs) {
+  const std::vector<FrameJob> jobs = jobs_of(arguments, mark);
+  for (const FrameJob& job : jobs) {
     if (!job.out.empty()) check_writable_image(job.out);
     if (!job.stats_file.empty()) check_writable(job.stats_file);
   }

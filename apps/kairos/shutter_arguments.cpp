@@ -15,12 +15,6 @@ namespace {
   throw CLI::ValidationError(option, fmt::format("'{}' is not of the form {}", text, form));
 }
 
-bool take_suffix(std::string_view& text, std::string_view suffix) {
-  if (!text.ends_with(suffix)) return false;
-  text.remove_suffix(suffix.size());
-  return true;
-}
-
 std::vector<double> numbers(const std::string& option, std::string_view text, size_t count, const char* form) {
   std::vector<double> result;
   for (const std::string_view part : split(option, text, ',', count, form)) result.push_back(parse_real(option, part));

@@ -23,7 +23,7 @@ bool is_hdr(std::span<const uint8_t> bytes) {
   return false;
 }
 
-struct Header {
+struct HdrHeader {
   PictureCost cost;
   size_t size = 0;  ///< bytes
 };
@@ -39,7 +39,7 @@ int read_size(std::string_view& line, std::string_view axis, const std::string& 
   return size;
 }
 
-Header read_header(std::span<const uint8_t> bytes, const std::string& place) {
+HdrHeader read_header(std::span<const uint8_t> bytes, const std::string& place) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   size_t begin = 0;
   bool is_rgbe = false;
@@ -56,7 +56,7 @@ Header read_header(std::span<const uint8_t> bytes, const std::string& place) {
   if (!is_rgbe) throw Error(ErrorCode::bad_input, place, "is an HDR picture of another kind than 32-bit_rle_rgbe");
   std::string_view line = next_line();
   const int height = read_size(line, "-Y ", place), width = read_size(line, " +X ", place);
-  Header header{plain_cost(width, height, kPictureChannels * sizeof(float), place), begin};
+  HdrHeader header{plain_cost(width, height, kPictureChannels * sizeof(float), place), begin};
   // Encoded rows have at least the runs that they would take if they were of one colour.
   const uint64_t runs = (static_cast<uint64_t>(width) + kLongestRun - 1) / kLongestRun;
   const uint64_t least = static_cast<uint64_t>(height) * kRgbe * (1 + kLeastOfRun * runs);
@@ -133,7 +133,7 @@ PictureCost hdr_cost(std::span<const uint8_t> bytes, const std::string& place) {
 }
 
 Pixels decode_hdr(std::span<const uint8_t> bytes, const std::string& place) {
-  const Header header = read_header(bytes, place);
+  const HdrHeader header = read_header(bytes, place);
   HdrReader reader(bytes.subspan(header.size), place);
   Pixels pixels{
       header.cost.width, header.cost.height, {}, std::vector<float>(texel_count(header.cost) * kPictureChannels)};

@@ -13,14 +13,14 @@ namespace {
 constexpr size_t kHeaderBytes = 18;
 constexpr int kPalette = 1, kColour = 2, kGrey = 3, kEncoded = 8;  // kinds, and what is added to one
 
-struct Header {
+struct TgaHeader {
   int kind = 0;
   bool encoded = false, from_top = false, from_right = false;
   size_t name_bytes = 0, first_entry = 0, entries = 0;
   int entry_bits = 0, texel_bits = 0;
   int width = 0, height = 0;
 
-  explicit Header(std::span<const uint8_t> bytes) {
+  explicit TgaHeader(std::span<const uint8_t> bytes) {
     const auto word = [&](size_t i) { return bytes[i] | bytes[i + 1] << 8; };
     name_bytes = bytes[0];
     encoded = (bytes[2] & kEncoded) != 0;
@@ -45,7 +45,7 @@ bool is_colour_depth(int bits) { return bits == 15 || bits == 16 || bits == 24 |
 /// There is no signature: the header has to make sense.
 bool is_tga(std::span<const uint8_t> bytes) {
   if (bytes.size() < kHeaderBytes || bytes[1] > 1) return false;
-  const Header header(bytes);
+  const TgaHeader header(bytes);
   if (header.width == 0 || header.height == 0) return false;
   switch (header.kind) {
     case kPalette:
@@ -61,10 +61,10 @@ bool is_tga(std::span<const uint8_t> bytes) {
 }
 
 PictureCost tga_cost(std::span<const uint8_t> bytes, const std::string& place) {
-  const Header header(bytes);
+  const TgaHeader header(bytes);
   const PictureCost cost = plain_cost(header.width, header.height, kPictureChannels, place);
-  constexpr size_t kLongestRun = 128;
-  const size_t texels = texel_count(cost), runs = (texels + kLongestRun - 1) / kLongestRun;
+  constexpr size_t kMostOfRun = 128;
+  const size_t texels = texel_count(cost), runs = (texels + kMostOfRun - 1) / kMostOfRun;
   const size_t least = header.encoded ? runs * (1 + header.texel_bytes()) : texels * header.texel_bytes();
   if (bytes.size() < header.texels_at() || bytes.size() - header.texels_at() < least)
     fail_damaged(place, "too short for its size");
@@ -122,7 +122,7 @@ class TgaReader {
     return palette_[index - header_.first_entry];
   }
 
-  const Header header_;
+  const TgaHeader header_;
   const std::string& place_;
   std::span<const uint8_t> rest_;
   std::vector<Code> palette_;
@@ -133,7 +133,7 @@ class TgaReader {
 
 Pixels decode_tga(std::span<const uint8_t> bytes, const std::string& place) {
   const PictureCost cost = tga_cost(bytes, place);
-  const Header header(bytes);
+  const TgaHeader header(bytes);
   TgaReader reader(bytes, place);
   Pixels pixels{cost.width, cost.height, std::vector<uint8_t>(texel_count(cost) * kPictureChannels), {}};
   for (int row = 0; row < cost.height; ++row)

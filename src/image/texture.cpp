@@ -11,7 +11,7 @@ namespace kairos {
 
 namespace {
 
-constexpr size_t kChannels = 4;
+constexpr size_t kTexelChannels = 4;
 // Keeps the colour of a fully transparent texel from being 0 / 0, and from counting beside others.
 constexpr float kLeastAlpha = 1e-4f;
 
@@ -63,7 +63,7 @@ Pixels widened(Pixels pixels, Texture::Encoding encoding) {
   pixels.values.resize(pixels.wide_codes.size());
   for (size_t i = 0; i < pixels.values.size(); ++i) {
     const uint16_t code = pixels.wide_codes[i];
-    pixels.values[i] = i % kChannels == 3 ? static_cast<float>(code) / (kCodes - 1) : decoded[code];
+    pixels.values[i] = i % kTexelChannels == 3 ? static_cast<float>(code) / (kCodes - 1) : decoded[code];
   }
   pixels.wide_codes = {};
   return pixels;
@@ -77,14 +77,15 @@ Texture::Texture(Pixels pixels, Encoding encoding) {
     const float value = static_cast<float>(code) / 255;
     decoded_[code] = encoding == Encoding::srgb ? srgb_value(value) : value;
   }
-  for (size_t i = 3; i < pixels.codes.size() && !has_alpha_; i += kChannels) has_alpha_ = pixels.codes[i] != 255;
-  for (size_t i = 3; i < pixels.values.size() && !has_alpha_; i += kChannels) has_alpha_ = pixels.values[i] < 1;
+  for (size_t i = 3; i < pixels.codes.size() && !has_alpha_; i += kTexelChannels) has_alpha_ = pixels.codes[i] != 255;
+  for (size_t i = 3; i < pixels.values.size() && !has_alpha_; i += kTexelChannels) has_alpha_ = pixels.values[i] < 1;
   levels_.push_back(std::move(pixels));
   while (levels_.back().width > 1 || levels_.back().height > 1) levels_.push_back(half_of(levels_.back()));
 }
 
 Texel Texture::texel(const Pixels& level, int x, int y) const {
-  const size_t i = (static_cast<size_t>(y) * static_cast<size_t>(level.width) + static_cast<size_t>(x)) * kChannels;
+  const size_t i =
+      (static_cast<size_t>(y) * static_cast<size_t>(level.width) + static_cast<size_t>(x)) * kTexelChannels;
   if (!level.codes.empty()) {
     const uint8_t* code = &level.codes[i];
     return {{decoded_[code[0]], decoded_[code[1]], decoded_[code[2]]}, static_cast<float>(code[3]) / 255};
@@ -94,7 +95,7 @@ Texel Texture::texel(const Pixels& level, int x, int y) const {
 }
 
 void Texture::store(Pixels& level, size_t index, const Texel& value) const {
-  const size_t i = index * kChannels;
+  const size_t i = index * kTexelChannels;
   if (level.codes.empty()) {
     for (int c = 0; c < 3; ++c) level.values[i + static_cast<size_t>(c)] = value.colour[c];
     level.values[i + 3] = value.alpha;
@@ -111,8 +112,8 @@ void Texture::store(Pixels& level, size_t index, const Texel& value) const {
 Pixels Texture::half_of(const Pixels& level) const {
   Pixels half{std::max(1, level.width / 2), std::max(1, level.height / 2), {}, {}};
   const auto width = static_cast<size_t>(half.width), height = static_cast<size_t>(half.height);
-  (level.codes.empty() ? half.values.resize(width * height * kChannels)
-                       : half.codes.resize(width * height * kChannels));
+  (level.codes.empty() ? half.values.resize(width * height * kTexelChannels)
+                       : half.codes.resize(width * height * kTexelChannels));
   std::vector<Cover> columns;
   for (int x = 0; x < half.width; ++x) columns.emplace_back(x, half.width, level.width);
   parallel_for(height, 16, [&](size_t begin, size_t end) {

@@ -22,7 +22,7 @@ static_assert(1 << kMaxLevel == kMaxKeySpans);
 // the middle at 1/2 +- 1/sqrt(12); the others are for what lies between the two.
 constexpr std::array<double, 5> kProbes{0.5, 0.2113, 0.7887, 0.35, 0.65};
 // The part of the tolerance that is used: what a smooth path may do between the probes takes the rest.
-constexpr double kMargin = 0.9;
+constexpr double kRoomLeft = 0.9;
 // A vertex that stays within this part of its distance rests: it is what float positions and a transform resolve.
 constexpr double kRest = 1e-6;
 // Nearer than this part of the mesh's largest distance from the eye, screen distances are not measured any closer.
@@ -76,7 +76,7 @@ Side side_of(int index) { return index == 0 ? Side::after : Side::before; }
 class ChordMeter {
  public:
   ChordMeter(const PathSampler& path, const View& view, double tolerance)
-      : path_(path), view_(view), tolerance_(tolerance * kMargin) {
+      : path_(path), view_(view), tolerance_(tolerance * kRoomLeft) {
     path_.positions(view.window().open, Side::after, first_);
     const Mat4 camera = view.camera_from_space(view.window().open, Side::after);
     const double reach = largest(first_.size(), [&](size_t v) { return length(transform_point(camera, first_[v])); });

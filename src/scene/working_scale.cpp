@@ -14,7 +14,7 @@ namespace {
 /// Binary exponents of mean coordinates that are left as they are: a millimetre to ten kilometres, in metres.
 constexpr int64_t kLeastExponent = -10, kMostExponent = 14;
 constexpr int kMostScale = 126;  // the reciprocal of two to this power is still a float with all of its digits
-constexpr size_t kGrain = 1 << 16;
+constexpr size_t kVerticesAtOnce = 1 << 16;
 
 struct ExponentSum {
   int64_t sum = 0, count = 0;
@@ -57,10 +57,11 @@ int working_exponent(std::span<const Mesh> meshes) {
   ExponentSum all;
   for (const Mesh& mesh : meshes)
     for (const std::vector<Vec3f>& key : mesh.positions) {
-      std::vector<ExponentSum> pieces((key.size() + kGrain - 1) / kGrain);
+      std::vector<ExponentSum> pieces((key.size() + kVerticesAtOnce - 1) / kVerticesAtOnce);
       parallel_for(pieces.size(), 1, [&](size_t first, size_t last) {
         for (size_t i = first; i < last; ++i)
-          pieces[i] = exponents_of(std::span(key).subspan(i * kGrain, std::min(kGrain, key.size() - i * kGrain)));
+          pieces[i] = exponents_of(
+              std::span(key).subspan(i * kVerticesAtOnce, std::min(kVerticesAtOnce, key.size() - i * kVerticesAtOnce)));
       });
       for (const ExponentSum& piece : pieces) {
         all.sum += piece.sum;
@@ -87,7 +88,7 @@ std::vector<Mesh> scaled_copies(std::span<const Mesh> meshes, int exponent) {
     copy.colors = {};
     copy.prim_ids = {};
     for (std::vector<Vec3f>& key : copy.positions)
-      parallel_for(key.size(), kGrain, [&](size_t first, size_t last) {
+      parallel_for(key.size(), kVerticesAtOnce, [&](size_t first, size_t last) {
         for (size_t v = first; v < last; ++v) key[v] = key[v] * scale;
       });
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shading/luminance.h"
 #include "shading/surface.h"
 
 namespace kairos {
@@ -36,8 +37,6 @@ struct Arrival {
   std::optional<ArrivingLight> operator()(const ConstantLight&) const { return std::nullopt; }
   std::optional<ArrivingLight> operator()(const EnvironmentLight&) const { return std::nullopt; }
 };
-
-float brightness(Vec3f c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }  // Rec. 709
 
 double area_of(const std::array<Vec3d, 3>& v) { return length(cross(v[1] - v[0], v[2] - v[0])) / 2; }
 
@@ -84,7 +83,7 @@ void Lights::add_areas() {
   for (uint32_t m = 0; m < shot_.meshes.size(); ++m) {
     const Mesh& mesh = shot_.meshes[m];
     if (looks_.has_emission_texture(m) || looks_.material(m).unlit) continue;
-    const double radiance = brightness(looks_.material(m).emission);
+    const double radiance = luminance(looks_.material(m).emission);
     if (!(radiance > 0) || !std::isfinite(radiance)) continue;
     for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
       sum += radiance * mean_area(mesh, i);

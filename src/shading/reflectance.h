@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <kairos/scene.h>
 
@@ -92,7 +93,7 @@ inline double highlight_lobe(Vec3d normal, Vec3d to_viewer, Vec3d to_light, doub
   const Vec3d half = normalize(to_viewer + to_light);
   const double n_h = std::max(0.0, dot(normal, half)), n_v = dot(normal, to_viewer), n_l = dot(normal, to_light);
   const double a2 = alpha * alpha, slope = n_h * n_h * (a2 - 1) + 1;
-  const double spread = a2 / (3.14159265358979323846 * slope * slope);
+  const double spread = a2 / (std::numbers::pi * slope * slope);
   const double shadowing = n_l * std::sqrt(n_v * n_v * (1 - a2) + a2) + n_v * std::sqrt(n_l * n_l * (1 - a2) + a2);
   return shadowing > 0 ? spread / (2 * shadowing) : 0;
 }
@@ -105,7 +106,7 @@ inline Vec3d lobe_direction(Vec3d normal, Vec3d to_viewer, double alpha, float u
       normalize(Vec3d{alpha * dot(x, to_viewer), alpha * dot(y, to_viewer), std::max(dot(normal, to_viewer), 1e-9)});
   const double across = std::sqrt(view.x * view.x + view.y * view.y);
   const Vec3d a = across > 0 ? Vec3d{-view.y / across, view.x / across, 0} : Vec3d{1, 0, 0}, b = cross(view, a);
-  const double radius = std::sqrt(static_cast<double>(u)), turn = 2 * 3.14159265358979323846 * static_cast<double>(v);
+  const double radius = std::sqrt(static_cast<double>(u)), turn = 2 * std::numbers::pi * static_cast<double>(v);
   const double p = radius * std::cos(turn), bend = (1 + view.z) / 2;
   const double q = (1 - bend) * std::sqrt(std::max(0.0, 1 - p * p)) + bend * radius * std::sin(turn);
   const Vec3d m = a * p + b * q + view * std::sqrt(std::max(0.0, 1 - p * p - q * q));
@@ -118,7 +119,7 @@ inline double lobe_density(Vec3d normal, Vec3d to_viewer, Vec3d to_light, double
   const Vec3d half = normalize(to_viewer + to_light);
   const double n_h = std::max(0.0, dot(normal, half)), n_v = std::max(dot(normal, to_viewer), 1e-9), a2 = alpha * alpha;
   const double slope = n_h * n_h * (a2 - 1) + 1;
-  const double spread = a2 / (3.14159265358979323846 * slope * slope);
+  const double spread = a2 / (std::numbers::pi * slope * slope);
   return spread / (2 * (n_v + std::sqrt(n_v * n_v * (1 - a2) + a2)));
 }
 

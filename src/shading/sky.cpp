@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/parallel.h"
 #include "image/texture.h"
+#include "shading/luminance.h"
 
 namespace kairos {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
-float brightness(Vec3f c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }  // Rec. 709
 /// Not negative, nor so large that sums of it overflow.
 Vec3f sane(Vec3f c) {
   constexpr float kBrightest = 1e20f;
@@ -25,9 +24,10 @@ Vec3f sane(Vec3f c) {
 
 Vec2d place_of(EnvironmentLight::Mapping mapping, Vec3d d) {
   if (mapping == EnvironmentLight::Mapping::latitude_longitude)
-    return {0.5 + std::atan2(d.x, -d.z) / (2 * kPi), std::acos(std::clamp(d.y, -1.0, 1.0)) / kPi};
+    return {0.5 + std::atan2(d.x, -d.z) / (2 * std::numbers::pi),
+            std::acos(std::clamp(d.y, -1.0, 1.0)) / std::numbers::pi};
   const double x = std::abs(d.x), y = std::abs(d.y), radius = std::sqrt(std::max(0.0, 1 - std::abs(d.z)));
-  const double angle = x == 0 && y == 0 ? 0 : std::atan2(y, x) * (2 / kPi);
+  const double angle = x == 0 && y == 0 ? 0 : std::atan2(y, x) * (2 / std::numbers::pi);
   Vec2d place{radius - angle * radius, angle * radius};
   if (d.z < 0) place = {1 - place.y, 1 - place.x};
   return {(std::copysign(place.x, d.x) + 1) / 2, (std::copysign(place.y, d.y) + 1) / 2};
@@ -35,12 +35,12 @@ Vec2d place_of(EnvironmentLight::Mapping mapping, Vec3d d) {
 
 Vec3d direction_of(EnvironmentLight::Mapping mapping, Vec2d place) {
   if (mapping == EnvironmentLight::Mapping::latitude_longitude) {
-    const double longitude = (place.x - 0.5) * 2 * kPi, polar = place.y * kPi;
+    const double longitude = (place.x - 0.5) * 2 * std::numbers::pi, polar = place.y * std::numbers::pi;
     return {std::sin(polar) * std::sin(longitude), std::cos(polar), -std::sin(polar) * std::cos(longitude)};
   }
   const double u = 2 * place.x - 1, v = 2 * place.y - 1, x = std::abs(u), y = std::abs(v);
   const double inside = 1 - (x + y), radius = 1 - std::abs(inside);
-  const double angle = (radius == 0 ? 1 : (y - x) / radius + 1) * kPi / 4;
+  const double angle = (radius == 0 ? 1 : (y - x) / radius + 1) * std::numbers::pi / 4;
   const double across = radius * std::sqrt(2 - radius * radius);
   return {std::copysign(std::cos(angle), u) * across, std::copysign(std::sin(angle), v) * across,
           std::copysign(1 - radius * radius, inside)};
@@ -77,7 +77,8 @@ class Sky::Picture {
   double power() const { return rows_.empty() ? 0 : rows_.back(); }
 
   Vec3f radiance(Vec3d direction, double width) const {
-    const double texel = (is_round() ? kPi : std::sqrt(4 * kPi)) / texture_->height();  // radians
+    const double texel =
+        (is_round() ? std::numbers::pi : std::sqrt(4 * std::numbers::pi)) / texture_->height();  // radians
     const Vec2d place = place_of(light_.mapping, local(direction));
     const TextureWrap sideways = is_round() ? TextureWrap::repeat : TextureWrap::clamp;
     const Texel seen = texture_->at({static_cast<float>(place.x), static_cast<float>(place.y)},
@@ -100,9 +101,9 @@ class Sky::Picture {
     const size_t x = index(place.x, width_), y = index(place.y, height_), at = y * width_ + x;
     const double weight = columns_[at] - (x == 0 ? 0 : columns_[at - 1]);
     const double per_area = weight * static_cast<double>(width_) * static_cast<double>(height_);
-    if (!is_round()) return per_area / (4 * kPi);
-    const double sine = std::sin(place.y * kPi);
-    return sine > 0 ? per_area / (2 * kPi * kPi * sine) : 0;
+    if (!is_round()) return per_area / (4 * std::numbers::pi);
+    const double sine = std::sin(place.y * std::numbers::pi);
+    return sine > 0 ? per_area / (2 * std::numbers::pi * std::numbers::pi * sine) : 0;
   }
 
  private:
@@ -122,7 +123,7 @@ class Sky::Picture {
           const Texel texel = texture_->at({(static_cast<float>(x) + 0.5f) / static_cast<float>(width_),
                                             (static_cast<float>(y) + 0.5f) / static_cast<float>(height_)},
                                            static_cast<float>(texels_per_cell_));
-          plain[y * width_ + x] = brightness(sane(texel.colour * light_.radiance));
+          plain[y * width_ + x] = luminance(sane(texel.colour * light_.radiance));
         }
     });
     constexpr float kOwn = 0.75f, kBeside = 0.125f;  // of a tent that is one cell wide on either side
@@ -147,7 +148,7 @@ class Sky::Picture {
     rows_.resize(height_);
     double sum = 0;
     for (size_t y = 0; y < height_; ++y) {
-      const double scale = kPi / static_cast<double>(height_);
+      const double scale = std::numbers::pi / static_cast<double>(height_);
       const double area =
           is_round() ? std::cos(static_cast<double>(y) * scale) - std::cos(static_cast<double>(y + 1) * scale) : 1;
       double row = 0;

@@ -8,12 +8,12 @@ namespace {
 
 // Of normals that count as continuing each other: 30 degrees. Only the noise depends on it, and little: from 5 to 60
 // degrees the time for the same error of a kitchen of 1.4 million triangles stays within 10 %.
-constexpr double kLeastCosine = 0.8660254;
+constexpr double kLeastJointCosine = 0.8660254;
 
 /// Of any length.
 bool agree(Vec3d a, Vec3d b) {
   const double cosine = dot(a, b);
-  return cosine > 0 && cosine * cosine >= kLeastCosine * kLeastCosine * dot(a, a) * dot(b, b);
+  return cosine > 0 && cosine * cosine >= kLeastJointCosine * kLeastJointCosine * dot(a, a) * dot(b, b);
 }
 
 bool look_same(const Mesh& mesh, uint32_t a, uint32_t b) {

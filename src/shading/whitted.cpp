@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "shading/normal_map.h"
@@ -12,7 +13,6 @@ namespace kairos {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 // A secondary ray starts this far off its surface, as a part of the largest coordinate of the triangle that it leaves:
 // sixty roundings of a float, where the intersection of a ray with a triangle of that size makes about ten.
 constexpr double kOffset = 0x1p-18;
@@ -40,7 +40,7 @@ Vec3d refracted(Vec3d direction, Vec3d normal, double eta) {
 
 /// Distributed as the cosine over the hemisphere around `normal`.
 Vec3d cosine_direction(Vec3d normal, float u, float v) {
-  const double radius = std::sqrt(static_cast<double>(u)), angle = 2 * kPi * static_cast<double>(v);
+  const double radius = std::sqrt(static_cast<double>(u)), angle = 2 * std::numbers::pi * static_cast<double>(v);
   const auto [x, y] = axes_across(normal);
   return normalize(x * (radius * std::cos(angle)) + y * (radius * std::sin(angle)) +
                    normal * std::sqrt(std::max(0.0, 1 - static_cast<double>(u))));
@@ -178,8 +178,9 @@ Vec3f Whitted::direct(const Point& point, const Instant& instant, SampleKey key)
     const Vec3f open = transmittance(point, light->direction, light->dist, instant);
     if (open == Vec3f{}) return;
     const double lobe = highlight_lobe(point.normal, point.to_viewer, light->direction, shares.alpha);
-    colour += (shares.diffuse * static_cast<float>(1 / kPi) + shares.highlight * static_cast<float>(lobe)) *
-              (light->irradiance * open * static_cast<float>(cosine));
+    colour +=
+        (shares.diffuse * static_cast<float>(1 / std::numbers::pi) + shares.highlight * static_cast<float>(lobe)) *
+        (light->irradiance * open * static_cast<float>(cosine));
   };
   for (size_t i = 0; i < lights_.punctual_count(); ++i)
     add(lights_.punctual(i, point.position, instant.time, instant.place));
@@ -207,13 +208,13 @@ Vec3f Whitted::from_sky(const Point& point, const Instant& instant, SampleKey ke
     const double cosine = dot(point.normal, direction);
     if (!(cosine > 0) || !(dot(point.face, direction) > 0)) return {};
     const Vec3d in_world = instant.place.vector_to_world(direction);
-    const double density = sky.density(in_world) + by_cosine * cosine / kPi +
+    const double density = sky.density(in_world) + by_cosine * cosine / std::numbers::pi +
                            (1 - by_cosine) * lobe_density(point.normal, point.to_viewer, direction, shares.alpha);
     const Vec3f radiance = sky.radiance(in_world);
     if (!(density > 0) || radiance == Vec3f{}) return {};
     const Vec3f open = transmittance(point, direction, std::numeric_limits<double>::infinity(), instant);
     const double lobe = highlight_lobe(point.normal, point.to_viewer, direction, shares.alpha);
-    return (shares.diffuse * static_cast<float>(1 / kPi) + shares.highlight * static_cast<float>(lobe)) *
+    return (shares.diffuse * static_cast<float>(1 / std::numbers::pi) + shares.highlight * static_cast<float>(lobe)) *
            (radiance * open * static_cast<float>(cosine / density));
   };
   const auto bright = sky.sample(light_point(key.branch(kSkyBranch)));

@@ -19,7 +19,7 @@
 #include "soup.h"
 #include "whitted_scene.h"
 
-namespace kairos {
+namespace kairos::over_time_test {
 namespace {
 
 constexpr int kWidth = 24, kHeight = 16;
@@ -384,4 +384,4 @@ TEST(Render, RefusesNumbersOfRaysThatMakeNoSense) {
 }
 
 }  // namespace
-}  // namespace kairos
+}  // namespace kairos::over_time_test

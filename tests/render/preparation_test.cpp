@@ -8,7 +8,7 @@
 
 #include "soup.h"
 
-namespace kairos {
+namespace kairos::preparation_test {
 namespace {
 
 constexpr IntegratorKind kAll[] = {IntegratorKind::tc, IntegratorKind::qmc, IntegratorKind::mixed,
@@ -96,4 +96,4 @@ TEST(Preparation, OfASmallCropOfAHugeFrameIsSmall) {
 }
 
 }  // namespace
-}  // namespace kairos
+}  // namespace kairos::preparation_test

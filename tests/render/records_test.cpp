@@ -12,7 +12,7 @@
 
 #include "soup.h"
 
-namespace kairos {
+namespace kairos::records_test {
 namespace {
 
 constexpr int kWidth = 24, kHeight = 16;
@@ -239,4 +239,4 @@ TEST(Records, WhatAConsumerThrowsEndsTheRendering) {
 }
 
 }  // namespace
-}  // namespace kairos
+}  // namespace kairos::records_test

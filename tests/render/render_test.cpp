@@ -9,7 +9,7 @@
 #include <kairos/error.h>
 #include <kairos/render.h>
 
-namespace kairos {
+namespace kairos::render_test {
 namespace {
 
 // A rectangle [x0, x1] x [y0, y1] in pixels of the frame below (y downwards), at a distance; moves to the right by
@@ -368,4 +368,4 @@ TEST(Render, NothingToSeeIsBackground) {
 }
 
 }  // namespace
-}  // namespace kairos
+}  // namespace kairos::render_test

@@ -64,7 +64,7 @@ struct Tally {
   std::map<std::string, std::string> refused;  // file name -> message
 };
 
-Tally load_all(const fs::path& folder) {
+Tally tally_of(const fs::path& folder) {
   Tally tally;
   for (const fs::path& file : gltf_files(folder)) {
     SCOPED_TRACE(file.string());
@@ -87,7 +87,7 @@ Tally load_all(const fs::path& folder) {
 
 TEST(GltfFiles, EveryThirdPartySceneLoads) {
   if (!fs::exists(scenes_folder())) GTEST_SKIP() << "no third-party scenes at " << scenes_folder();
-  const Tally tally = load_all(scenes_folder());
+  const Tally tally = tally_of(scenes_folder());
   EXPECT_TRUE(tally.refused.empty()) << tally.refused.begin()->second;
   EXPECT_GE(tally.loaded, 24u);
   EXPECT_GT(tally.triangles, 1'000'000u);
@@ -96,7 +96,7 @@ TEST(GltfFiles, EveryThirdPartySceneLoads) {
 TEST(GltfFiles, MalformedFilesAreRefusedInOneLine) {
   const fs::path folder = "/usr/share/assimp/models/glTF2";
   if (!fs::exists(folder)) GTEST_SKIP() << "the Debian package assimp-testmodels is not installed";
-  const Tally tally = load_all(folder);
+  const Tally tally = tally_of(folder);
   EXPECT_GT(tally.loaded, 25u);
   for (const char* name : {"RecursiveNodes.gltf", "sceneWrongType.gltf", "badArray.gltf", "badUint.gltf"})
     EXPECT_TRUE(tally.refused.count(name)) << name;

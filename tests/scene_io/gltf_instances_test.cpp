@@ -14,7 +14,7 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-void expect_near(Vec3d a, Vec3d b) {
+void expect_at(Vec3d a, Vec3d b) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 1e-6) << "component " << c;
 }
 
@@ -31,11 +31,11 @@ TEST(GltfInstances, StandWhereTheyAreToldAndMoveWithTheirNode) {
   const Scene scene = gltf.parse();
   EXPECT_THAT(scene.warnings, IsEmpty());
   ASSERT_EQ(scene.meshes.size(), 3u) << "and none at the node itself";
-  expect_near(positions_at(scene, 0, Side::after, 0)[1], {-4, 0, 0});
-  expect_near(positions_at(scene, 0.5, Side::after, 0)[1], {-4, 5, 0});
-  expect_near(positions_at(scene, 0, Side::after, 1)[1], {0, 2, 0});
-  expect_near(positions_at(scene, 1, Side::after, 1)[1], {0, 12, 0});
-  expect_near(positions_at(scene, 0, Side::after, 2)[1], {4, 0, 0});
+  expect_at(positions_at(scene, 0, Side::after, 0)[1], {-4, 0, 0});
+  expect_at(positions_at(scene, 0.5, Side::after, 0)[1], {-4, 5, 0});
+  expect_at(positions_at(scene, 0, Side::after, 1)[1], {0, 2, 0});
+  expect_at(positions_at(scene, 1, Side::after, 1)[1], {0, 12, 0});
+  expect_at(positions_at(scene, 0, Side::after, 2)[1], {4, 0, 0});
   EXPECT_EQ(scene.meshes[0].triangles[0], (Triangle{0, 1, 2}));
   EXPECT_EQ(scene.meshes[2].triangles[0], (Triangle{0, 2, 1})) << "a mirrored one shows the same side";
   EXPECT_FALSE(scene.meshes[2].motion->is_static(0, 1));
@@ -76,7 +76,7 @@ TEST(GltfVisibility, WhoHidesHidesAllBelowButCameras) {
   gltf.root["nodes"][3]["extensions"]["KHR_node_visibility"]["visible"] = false;
   const Scene scene = gltf.parse();
   ASSERT_EQ(scene.meshes.size(), 1u);
-  expect_near(positions_at(scene, 0)[0], {0, 0, 0});
+  expect_at(positions_at(scene, 0)[0], {0, 0, 0});
   EXPECT_EQ(scene.cameras.size(), 1u);
   EXPECT_TRUE(scene.lights.empty());
   gltf.root["nodes"][3]["extensions"]["KHR_node_visibility"]["visible"] = true;

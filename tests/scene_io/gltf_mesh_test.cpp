@@ -14,11 +14,11 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const std::vector<float> kSquare = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+const std::vector<float> kSquarePoints = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
 
 Scene square_with(int mode, nlohmann::json more = nlohmann::json::object(), const LoadOptions& options = {}) {
   GltfBuilder gltf;
-  more["attributes"]["POSITION"] = gltf.accessor(kSquare, "VEC3");
+  more["attributes"]["POSITION"] = gltf.accessor(kSquarePoints, "VEC3");
   more["mode"] = mode;
   gltf.mesh_node(more);
   return gltf.parse(options);
@@ -42,8 +42,8 @@ TEST(GltfMesh, PointsAndLinesAreLeftOutWithAWarning) {
 template <class T>
 std::vector<Triangle> indexed(const std::vector<T>& indices) {
   GltfBuilder gltf;
-  gltf.mesh_node(
-      {{"attributes", {{"POSITION", gltf.accessor(kSquare, "VEC3")}}}, {"indices", gltf.accessor(indices, "SCALAR")}});
+  gltf.mesh_node({{"attributes", {{"POSITION", gltf.accessor(kSquarePoints, "VEC3")}}},
+                  {"indices", gltf.accessor(indices, "SCALAR")}});
   return gltf.parse().meshes[0].triangles;
 }
 
@@ -58,8 +58,8 @@ TEST(GltfMesh, IndicesOfAnyWidth) {
 TEST(GltfMesh, TrianglesBeyondTheVerticesAreDroppedAndTheOthersKeepTheirNumbers) {
   GltfBuilder gltf;
   const std::vector<uint16_t> indices = {0, 1, 2, 0, 4, 1, 1, 2, 3, 65535, 0, 1, 3, 2, 0};
-  gltf.mesh_node(
-      {{"attributes", {{"POSITION", gltf.accessor(kSquare, "VEC3")}}}, {"indices", gltf.accessor(indices, "SCALAR")}});
+  gltf.mesh_node({{"attributes", {{"POSITION", gltf.accessor(kSquarePoints, "VEC3")}}},
+                  {"indices", gltf.accessor(indices, "SCALAR")}});
   const Scene scene = gltf.parse();
   EXPECT_THAT(scene.meshes[0].triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{1, 2, 3}, Triangle{3, 2, 0}));
   EXPECT_THAT(scene.meshes[0].prim_ids, ElementsAre(0u, 2u, 4u));
@@ -75,7 +75,7 @@ TEST(GltfMesh, SparseAccessorsReplaceElements) {
   const nlohmann::json sparse = {{"count", 2},
                                  {"indices", {{"bufferView", indices}, {"componentType", 5123}}},
                                  {"values", {{"bufferView", values}}}};
-  const int dense = gltf.accessor(kSquare, "VEC3");
+  const int dense = gltf.accessor(kSquarePoints, "VEC3");
   gltf.root["accessors"][static_cast<size_t>(dense)]["sparse"] = sparse;
   const int zeros =
       gltf.push("accessors", {{"componentType", 5126}, {"count", 4}, {"type", "VEC3"}, {"sparse", sparse}});

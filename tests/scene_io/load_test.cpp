@@ -52,12 +52,12 @@ TEST(LoadScene, OtherFilesArePutTogether) {
   const TempFolder folder;
   const std::string a = folder.write("a.obj", kTriangle);
   folder.write("b.obj", kMoved);
-  const char* const json =
+  const char* const text =
       R"({"kairos": 1, "meshes": [{"keys": ["a.obj"], "material": "m"}, {"name": "a.1", "keys": ["b.obj"]}],
     "materials": {"m": {"base_color": [1,0,0]}}, "camera": {"keys": [{"eye": [0,0,1], "target": [0,0,0]}]}})";
-  std::string other = json;
+  std::string other = text;
   for (size_t at = 0; (at = other.find("\"m\"", at)) != other.npos;) other.replace(at, 3, "\"n\"");
-  const auto scene = load_scene({folder.write("one.json", json), a, folder.write("two.json", other)});
+  const auto scene = load_scene({folder.write("one.json", text), a, folder.write("two.json", other)});
   std::vector<std::string> meshes, materials, cameras;
   for (const SceneMesh& mesh : scene->meshes) {
     meshes.push_back(mesh.name);

@@ -21,9 +21,9 @@ class NativeInclude : public testing::Test {
     folder_.write("a1.obj", "v 0 0 2\nv 1 0 2\nv 0 1 2\nf 1 2 3\n");
   }
 
-  Scene load(const std::string& json) {
+  Scene load(const std::string& text) {
     LoadContext context;
-    return load_native(folder_.write("scene.json", json), context);
+    return load_native(folder_.write("scene.json", text), context);
   }
   /// A scene with these fields is refused.
   void refuse_fields(const std::string& fields, const std::vector<std::string>& words) {

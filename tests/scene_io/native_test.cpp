@@ -22,12 +22,12 @@ class Native : public testing::Test {
     folder_.write("two.obj", "v 0 0 2\nv 1 0 2\nv 0 1 2\nf 1 2 3\nf 3 2 1\n");
   }
 
-  Scene load(const std::string& json) {
+  Scene load(const std::string& text) {
     LoadContext context;
-    return load_native(folder_.write("scene.json", json), context);
+    return load_native(folder_.write("scene.json", text), context);
   }
-  void refuse(const std::string& json, const std::vector<std::string>& words) {
-    expect_error([&] { load(json); }, words);
+  void refuse(const std::string& text, const std::vector<std::string>& words) {
+    expect_error([&] { load(text); }, words);
   }
   /// Same, for the fields of a scene around them.
   void refuse_fields(const std::string& fields, const std::vector<std::string>& words) {

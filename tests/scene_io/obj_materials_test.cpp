@@ -148,9 +148,9 @@ TEST_F(ObjMaterials, WhatLibrariesLackIsAWarning) {
 TEST_F(ObjMaterials, TheNativeFilesMaterialCountsForAll) {
   folder_.write("lib.mtl", "newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n");
   folder_.write("two.obj", "mtllib lib.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl red\nf 1 2 3\nusemtl blue\nf 3 2 1\n");
-  const std::string json = folder_.write("scene.json", R"({"kairos": 1, "materials": {"green": {"base_color": [0,1,0]}},
+  const std::string path = folder_.write("scene.json", R"({"kairos": 1, "materials": {"green": {"base_color": [0,1,0]}},
       "meshes": [{"keys": ["two.obj"], "material": "green"}, {"keys": ["two.obj"], "name": "own"}]})");
-  const auto scene = load_scene({json});
+  const auto scene = load_scene({path});
   ASSERT_THAT(scene->meshes, SizeIs(3));
   EXPECT_EQ(scene->materials.at(scene->meshes[0].material).name, "green");
   EXPECT_THAT(scene->meshes[0].triangles, SizeIs(2));

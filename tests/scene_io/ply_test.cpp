@@ -17,7 +17,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-MeshData load(const std::string& file) { return make_mesh_data({parse_ply(file, "a.ply")}, false); }
+MeshData load_ply(const std::string& file) { return make_mesh_data({parse_ply(file, "a.ply")}, false); }
 
 /// Writes the same values as ascii, little-endian or big-endian.
 struct Writer {
@@ -84,7 +84,7 @@ std::string everything(const std::string& format, uint32_t seed) {
 TEST(Ply, AsciiAndBothBinaryFormatsAgree) {
   const uint32_t seed = std::random_device{}();
   SCOPED_TRACE("seed " + std::to_string(seed));
-  const MeshData ascii = load(everything("ascii", seed));
+  const MeshData ascii = load_ply(everything("ascii", seed));
   EXPECT_EQ(ascii.positions.at(0).at(3).y, -297);
   EXPECT_EQ(ascii.positions.at(0).at(3).z, -3);
   EXPECT_EQ(ascii.normals.at(0).at(0), (Vec3f{1, 0, 0}));
@@ -92,7 +92,7 @@ TEST(Ply, AsciiAndBothBinaryFormatsAgree) {
   EXPECT_EQ(ascii.triangles.size(), 4u);
   EXPECT_EQ(ascii.triangles.back(), (Triangle{4, 3, 1}));
   for (const char* format : {"binary_little_endian", "binary_big_endian"}) {
-    const MeshData binary = load(everything(format, seed));
+    const MeshData binary = load_ply(everything(format, seed));
     EXPECT_EQ(binary.positions, ascii.positions) << format;
     EXPECT_EQ(binary.normals, ascii.normals) << format;
     EXPECT_EQ(binary.uvs, ascii.uvs) << format;
@@ -104,7 +104,7 @@ TEST(Ply, AsciiAndBothBinaryFormatsAgree) {
 TEST(Ply, AFileCutAnywhereIsRefused) {
   for (const char* format : {"binary_little_endian", "binary_big_endian"}) {
     const std::string file = everything(format, 1);
-    for (size_t size = 0; size < file.size(); ++size) expect_error([&] { load(file.substr(0, size)); }, {"a.ply"});
+    for (size_t size = 0; size < file.size(); ++size) expect_error([&] { load_ply(file.substr(0, size)); }, {"a.ply"});
   }
 }
 
@@ -120,7 +120,7 @@ TEST(Ply, LineEndsOfAnyKind) {
   for (const std::string end : {"\n", "\r\n", "\r"}) {
     std::string other;
     for (const char c : file) c == '\n' ? other += end : other += c;
-    EXPECT_THAT(load(other).triangles, ElementsAre(Triangle{0, 1, 2}));
+    EXPECT_THAT(load_ply(other).triangles, ElementsAre(Triangle{0, 1, 2}));
   }
 }
 
@@ -135,13 +135,13 @@ TEST(Ply, ABinaryBodyMayBeginLikeALineEnd) {
       "property list uchar uchar vertex_indices\n");
   for (size_t i = 0; i + 13 < file.size(); ++i)
     if (file[i] == '\n') file[i] = '\r';  // the header's lines end in CR alone
-  EXPECT_EQ(load(file).positions.at(0).at(2), (Vec3f{10, 10, 10}));
+  EXPECT_EQ(load_ply(file).positions.at(0).at(2), (Vec3f{10, 10, 10}));
 }
 
 TEST(Ply, TextureCoordinateNames) {
   for (const auto& [u, v] : {std::pair("u", "v"), std::pair("s", "t"), std::pair("texture_u", "texture_v"),
                              std::pair("texture_s", "texture_t")}) {
-    const MeshData mesh = load(ascii(
+    const MeshData mesh = load_ply(ascii(
         fmt::format("element vertex 1\n{}property float {}\nproperty float {}\n", kXyz, u, v), "0 0 0 0.25 0.75"));
     EXPECT_THAT(mesh.uvs, ElementsAre(Vec2f{0.25, 0.75})) << u;
   }
@@ -149,8 +149,8 @@ TEST(Ply, TextureCoordinateNames) {
 
 TEST(Ply, TriangleStripsAlternateAndRestart) {
   const MeshData mesh =
-      load(ascii("element vertex 5\n" + kXyz + "element tristrips 1\nproperty list int int vertex_indices\n",
-                 "0 0 0 1 0 0 0 1 0 1 1 0 0 2 0\n9 0 1 2 3 -1 2 3 4 1\n"));
+      load_ply(ascii("element vertex 5\n" + kXyz + "element tristrips 1\nproperty list int int vertex_indices\n",
+                     "0 0 0 1 0 0 0 1 0 1 1 0 0 2 0\n9 0 1 2 3 -1 2 3 4 1\n"));
   EXPECT_THAT(mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{2, 1, 3}, Triangle{2, 3, 4}, Triangle{4, 3, 1}));
 }
 
@@ -159,7 +159,7 @@ TEST(Ply, VerticesMayHaveColours) {
     std::string header = "element vertex 3\n" + kXyz;
     for (const char* name : {"red", "green", "blue"}) header += "property " + type + " " + prefix + name + "\n";
     const std::string row = " 0 0 0 " + values;
-    const MeshData mesh = load(ascii(header + "element face 1\n" + kFace, row + row + row + " 3 0 1 2"));
+    const MeshData mesh = load_ply(ascii(header + "element face 1\n" + kFace, row + row + row + " 3 0 1 2"));
     EXPECT_THAT(mesh.warnings, IsEmpty());
     return mesh.colors.at(2);
   };
@@ -179,16 +179,17 @@ TEST(Ply, WhatIsNotReadIsSaidOnce) {
       ascii("element vertex 3\n" + kXyz + "property float quality\nproperty list int int more\nelement face 1\n" +
                 kFace + "property int flags\nelement edge 1\nproperty int a\nelement none 0\nproperty int a\n",
             "0 0 0 1 0  1 0 0 1 0  0 1 0 1 0  3 0 1 2 7  5");
-  EXPECT_THAT(load(file).warnings, ElementsAre("a.ply: properties 'quality' of elements 'vertex' are left out",
-                                               "a.ply: properties 'more' of elements 'vertex' are left out",
-                                               "a.ply: properties 'flags' of elements 'face' are left out",
-                                               "a.ply: elements 'edge' are left out"));
+  EXPECT_THAT(load_ply(file).warnings, ElementsAre("a.ply: properties 'quality' of elements 'vertex' are left out",
+                                                   "a.ply: properties 'more' of elements 'vertex' are left out",
+                                                   "a.ply: properties 'flags' of elements 'face' are left out",
+                                                   "a.ply: elements 'edge' are left out"));
   expect_error([&] { make_mesh_data({parse_ply(file, "a.ply")}, true); }, {"a.ply", "'quality'"});
 }
 
 TEST(Ply, BadTrianglesAreDroppedCountedAndReportedOnce) {
-  const MeshData mesh = load(ascii("element vertex 4\n" + kXyz + "element face 5\n" + kFace,
-                                   "0 0 0\n1 0 0\n0 1 0\nnan inf 0\n3 0 1 2\n3 0 1 3\n3 0 1 -2\n3 0 1 4\n3 2 1 0\n"));
+  const MeshData mesh =
+      load_ply(ascii("element vertex 4\n" + kXyz + "element face 5\n" + kFace,
+                     "0 0 0\n1 0 0\n0 1 0\nnan inf 0\n3 0 1 2\n3 0 1 3\n3 0 1 -2\n3 0 1 4\n3 2 1 0\n"));
   EXPECT_THAT(mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{2, 1, 0}));
   EXPECT_THAT(mesh.prim_ids, ElementsAre(0, 4));
   EXPECT_THAT(
@@ -198,40 +199,40 @@ TEST(Ply, BadTrianglesAreDroppedCountedAndReportedOnce) {
 }
 
 TEST(Ply, ElementsWithoutPropertiesTakeNoTime) {
-  const MeshData mesh = load(ascii("element nothing 9000000000000000000\nelement vertex 1\n" + kXyz, "1 2 3"));
+  const MeshData mesh = load_ply(ascii("element nothing 9000000000000000000\nelement vertex 1\n" + kXyz, "1 2 3"));
   EXPECT_THAT(mesh.positions, ElementsAre(ElementsAre(Vec3f{1, 2, 3})));
 }
 
 TEST(Ply, PromisesAreComparedWithTheFileBeforeMemoryIsTaken) {
-  expect_error([] { load(ascii("element vertex 4000000000\n" + kXyz, "0 0 0")); },
+  expect_error([] { load_ply(ascii("element vertex 4000000000\n" + kXyz, "0 0 0")); },
                {"a.ply", "too short for its 4000000000 elements 'vertex'"});
   Writer w{"binary_little_endian", {}};
   w.put<uint32_t>(4000000000u);
-  expect_error([&] { load(w.file("element face 1\nproperty list uint int vertex_indices\n")); },
+  expect_error([&] { load_ply(w.file("element face 1\nproperty list uint int vertex_indices\n")); },
                {"too short for a list 'vertex_indices' of length 4000000000"});
-  expect_error([] { load(ascii("element face 1\n" + kFace, "-1")); }, {"a list 'vertex_indices' of length -1"});
+  expect_error([] { load_ply(ascii("element face 1\n" + kFace, "-1")); }, {"a list 'vertex_indices' of length -1"});
 }
 
 TEST(Ply, UnknownHeaderLinesArePassedOver) {
-  EXPECT_THAT(load(ascii("Created by someone\nelement vertex 1\n" + kXyz, "1 2 3")).warnings,
+  EXPECT_THAT(load_ply(ascii("Created by someone\nelement vertex 1\n" + kXyz, "1 2 3")).warnings,
               ElementsAre("a.ply:3: header line 'Created ...' passed over", "a.ply: has no triangles"));
 }
 
 TEST(Ply, MalformedHeaders) {
   const std::string xyz = "element vertex 1\n" + kXyz;
-  expect_error([] { load(""); }, {"a.ply", "is it a PLY file?"});
-  expect_error([] { load("ply\nformat ascii 1.0\n"); }, {"a.ply:2", "end_header"});
-  expect_error([] { load("ply\nelement vertex 0\nend_header\n"); }, {"no format line"});
-  expect_error([] { load("ply\nformat ascii 2.0\nend_header\n"); }, {"a.ply:2", "expected 'format"});
-  expect_error([] { load(ascii("property float x\n", "")); }, {"a.ply:3", "before the first element"});
-  expect_error([] { load(ascii("element vertex -1\n", "")); }, {"a.ply:3", "element NAME COUNT"});
-  expect_error([] { load(ascii("element vertex 1\nproperty half x\n", "")); }, {"a.ply:4", "unknown type 'half'"});
-  expect_error([] { load(ascii("element face 1\nproperty list float int vertex_indices\n", "")); },
+  expect_error([] { load_ply(""); }, {"a.ply", "is it a PLY file?"});
+  expect_error([] { load_ply("ply\nformat ascii 1.0\n"); }, {"a.ply:2", "end_header"});
+  expect_error([] { load_ply("ply\nelement vertex 0\nend_header\n"); }, {"no format line"});
+  expect_error([] { load_ply("ply\nformat ascii 2.0\nend_header\n"); }, {"a.ply:2", "expected 'format"});
+  expect_error([] { load_ply(ascii("property float x\n", "")); }, {"a.ply:3", "before the first element"});
+  expect_error([] { load_ply(ascii("element vertex -1\n", "")); }, {"a.ply:3", "element NAME COUNT"});
+  expect_error([] { load_ply(ascii("element vertex 1\nproperty half x\n", "")); }, {"a.ply:4", "unknown type 'half'"});
+  expect_error([] { load_ply(ascii("element face 1\nproperty list float int vertex_indices\n", "")); },
                {"a.ply:4", "length of a list"});
-  expect_error([] { load(ascii("element vertex 1\nproperty float x\n", "1")); }, {"lack one of x, y, z"});
-  expect_error([] { load(ascii("element face 0\n" + kFace, "")); }, {"no element 'vertex'"});
-  expect_error([&] { load(ascii(xyz + xyz, "1 1 1 1 1 1")); }, {"second element 'vertex'"});
-  expect_error([&] { load(ascii(xyz, "1 x 1")); }, {"'x' is not a number"});
+  expect_error([] { load_ply(ascii("element vertex 1\nproperty float x\n", "1")); }, {"lack one of x, y, z"});
+  expect_error([] { load_ply(ascii("element face 0\n" + kFace, "")); }, {"no element 'vertex'"});
+  expect_error([&] { load_ply(ascii(xyz + xyz, "1 1 1 1 1 1")); }, {"second element 'vertex'"});
+  expect_error([&] { load_ply(ascii(xyz, "1 x 1")); }, {"'x' is not a number"});
 }
 
 }  // namespace

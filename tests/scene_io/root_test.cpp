@@ -20,7 +20,7 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+constexpr const char* kTexturedTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
 
 /// A folder `scenes` beside a folder `parts` with a picture, a mesh and a piece of pbrt.
 class Root : public testing::Test {
@@ -61,7 +61,7 @@ class Root : public testing::Test {
 };
 
 TEST_F(Root, APictureOutsideIsLeftOut) {
-  folder_.write("scenes/t.obj", kTriangle);
+  folder_.write("scenes/t.obj", kTexturedTriangle);
   GltfBuilder gltf;
   gltf.triangle_node();
   gltf.root["images"] = {{{"uri", "../parts/white.png"}}};
@@ -131,7 +131,7 @@ TEST_F(Root, PipesAreNoFilesToAnyReader) {
                  ErrorCode::io);
   expect_error([&] { load("a.json", R"({"kairos": 1, "include": ["p.obj"]})", false); }, {"is no file"}, ErrorCode::io);
   expect_error([&] { read_image(folder_.path("scenes/p.png")); }, {"is no file"}, ErrorCode::io);
-  folder_.write("scenes/t.obj", kTriangle);
+  folder_.write("scenes/t.obj", kTexturedTriangle);
   const Scene scene = *load("b.json", R"({"kairos": 1, "meshes": [{"keys": ["t.obj"], "material": "m"}],
       "materials": {"m": {"base_color_texture": "p.png"}}})",
                             false);

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include <kairos/printable.h>
+
 #include "scene_io/gltf/accessor.h"
 #include "scene_io/gltf/nodes.h"
 

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <kairos/printable.h>
+
 #include "base/file.h"
 #include "scene_io/gltf/meshopt.h"
 #include "scene_io/json_text.h"

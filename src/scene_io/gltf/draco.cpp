@@ -5,6 +5,8 @@
 #include <draco/compression/decode.h>
 #include <fmt/format.h>
 
+#include <kairos/printable.h>
+
 #include "scene_io/gltf/accessor.h"
 
 namespace kairos::gltf {

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include <kairos/error.h>
+#include <kairos/printable.h>
 
 #include "scene_io/gltf/text.h"
 

@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include <kairos/printable.h>
+
 #include "base/file.h"
 #include "scene_io/gltf/document.h"
 #include "scene_io/gltf/instances.h"

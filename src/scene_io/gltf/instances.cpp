@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <kairos/printable.h>
+
 #include "scene_io/gltf/accessor.h"
 
 namespace kairos::gltf {

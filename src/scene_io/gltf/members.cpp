@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <kairos/error.h>
+#include <kairos/printable.h>
 
 #include "scene_io/gltf/text.h"
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <meshoptimizer.h>
 
+#include <kairos/printable.h>
+
 namespace kairos::gltf {
 
 namespace {

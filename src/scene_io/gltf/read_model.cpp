@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <kairos/error.h>
+#include <kairos/printable.h>
 
 #include "scene_io/gltf/extensions.h"
 #include "scene_io/gltf/text.h"

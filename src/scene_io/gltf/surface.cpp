@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <fmt/format.h>
+
+#include <kairos/printable.h>
 
 #include "scene_io/gltf/texture.h"
 
@@ -90,13 +93,13 @@ void read_materials(Document& document, Scene& scene, Warnings& warnings) {
 }
 
 SceneCamera read_camera(const Document& document, size_t index) {
-  constexpr double kPi = 3.14159265358979323846;
   const file::Camera& source = document.model.cameras[index];
   const std::string where = at("cameras", index);
   SceneCamera camera;
   if (source.type == "perspective") {
     camera.vfov = source.yfov;
-    if (!(camera.vfov > 0 && camera.vfov < kPi)) document.fail(where, "its yfov must lie between 0 and pi");
+    if (!(camera.vfov > 0 && camera.vfov < std::numbers::pi))
+      document.fail(where, "its yfov must lie between 0 and pi");
   } else if (source.type == "orthographic") {
     camera.orthographic = true;
     camera.view_height = 2 * std::abs(source.ymag);

@@ -80,9 +80,4 @@ std::string percent_decode(std::string_view uri) {
   return result;
 }
 
-std::string printable(const std::string& name) {
-  constexpr size_t kLongest = 100;
-  return kairos::printable(name, kLongest);
-}
-
 }  // namespace kairos::gltf

@@ -16,7 +16,4 @@ std::vector<uint8_t> decode_data_uri(std::string_view uri, const std::string& pl
 /// %XX becomes the byte it stands for; a '%' without two hexadecimal digits stays as it is.
 std::string percent_decode(std::string_view uri);
 
-/// A name from a file made fit for one line of a log: no control characters, not longer than a line.
-std::string printable(const std::string& name);
-
 }  // namespace kairos::gltf

@@ -197,8 +197,8 @@ class NativeReader {
 }  // namespace
 
 Scene parse_native(std::string_view text, const std::string& path, LoadContext& context) {
-  const JsonText json(text, path);
-  const JsonNode root(json.root(), path);
+  const JsonText document(text, path);
+  const JsonNode root(document.root(), path);
   return NativeReader(root, path, context).read();
 }
 

@@ -11,8 +11,6 @@ namespace kairos::pbrt {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr Vec3d kWhite{1, 1, 1};
 constexpr double kLargest = 1e30;  // far above any light, far below float's overflow
 
 Vec3d color_of(const Parameters& parameters, const char* name, SpectrumContext& context) {
@@ -41,7 +39,7 @@ std::optional<std::array<Vec3d, 3>> axes_of(const Mat4& matrix) {
 LightSource read_infinite(const Parameters& parameters, const Mat4& matrix, SpectrumContext& context) {
   using Mapping = EnvironmentLight::Mapping;
   parameters.find("portal");
-  const Vec3f radiance = measured(parameters, "L", "illuminance", kPi, context);
+  const Vec3f radiance = measured(parameters, "L", "illuminance", std::numbers::pi, context);
   const bool v4 = parameters.find("filename") != nullptr;
   const std::string name = parameters.string(v4 ? "filename" : "mapname", "");
   if (name.empty()) return {ConstantLight{radiance}, radiance};
@@ -58,14 +56,15 @@ LightSource read_infinite(const Parameters& parameters, const Mat4& matrix, Spec
 }
 
 LightSource read_spot(const Parameters& parameters, const Mat4& matrix, SpectrumContext& context) {
-  constexpr double kRadians = kPi / 180;
+  constexpr double kRadians = std::numbers::pi / 180;
   const Vec3d from = parameters.vec3("from", {}), to = parameters.vec3("to", {0, 0, 1});
   const double angle = std::clamp(parameters.number("coneangle", 30), 0.0, 90.0);
   const double delta = std::clamp(parameters.number("conedeltaangle", 5), 0.0, angle);
   const Vec3d direction = normalize(transform_vector(matrix, to - from));
   if (direction == Vec3d{}) fail(parameters.place(), "a spot light has no direction");
   const double inner = std::cos((angle - delta) * kRadians), outer = std::cos(angle * kRadians);
-  const double solid_angle = 2 * kPi * ((1 - inner) + (inner - outer) / 2);  // as pbrt-v4's falloff weighs it
+  const double solid_angle =
+      2 * std::numbers::pi * ((1 - inner) + (inner - outer) / 2);  // as pbrt-v4's falloff weighs it
   return {SpotLight{limited(project_point(matrix, from)), to_float(direction),
                     measured(parameters, "I", "power", solid_angle, context), static_cast<float>(inner),
                     static_cast<float>(outer)},
@@ -114,7 +113,7 @@ std::optional<LightSource> read_light(const std::string& kind, const Parameters&
     if (kind != "point")
       context.warnings.add(parameters.place(), "lights of kind '" + kind + "' shine in all directions");
     const Vec3d position = project_point(matrix, parameters.vec3("from", {}));
-    source = {PointLight{limited(position), measured(parameters, "I", "power", 4 * kPi, context)}, {}};
+    source = {PointLight{limited(position), measured(parameters, "I", "power", 4 * std::numbers::pi, context)}, {}};
   } else if (kind == "distant") {
     const Vec3d way = parameters.vec3("to", {0, 0, 1}) - parameters.vec3("from", {});
     const Vec3d direction = normalize(transform_vector(matrix, way));
@@ -145,7 +144,7 @@ AreaLight read_area_light(const std::string& kind, const Parameters& parameters,
 }
 
 Vec3f light_of_power(const AreaLight& light, double area) {
-  return limited(to_double(light.radiance) * (light.power / (kPi * area * (light.two_sided ? 2 : 1))));
+  return limited(to_double(light.radiance) * (light.power / (std::numbers::pi * area * (light.two_sided ? 2 : 1))));
 }
 
 }  // namespace kairos::pbrt

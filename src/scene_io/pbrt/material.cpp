@@ -11,7 +11,7 @@ namespace kairos::pbrt {
 
 namespace {
 
-constexpr Vec3d kHalf{0.5, 0.5, 0.5}, kQuarter{0.25, 0.25, 0.25}, kWhite{1, 1, 1};
+constexpr Vec3d kHalf{0.5, 0.5, 0.5}, kQuarter{0.25, 0.25, 0.25};
 
 template <size_t N>
 bool is_one_of(const std::string& kind, const std::array<const char*, N>& kinds) {

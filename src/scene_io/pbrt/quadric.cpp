@@ -9,7 +9,6 @@ namespace kairos::pbrt {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr std::array<const char*, 6> kKinds{"sphere", "disk", "cylinder", "cone", "paraboloid", "hyperboloid"};
 
 struct Surface {
@@ -52,12 +51,12 @@ double positive(const Parameters& parameters, const char* name, double otherwise
 }
 
 int steps(double angle, int of_a_turn) {
-  return std::max(1, static_cast<int>(std::ceil(angle / (2 * kPi) * of_a_turn - 1e-9)));
+  return std::max(1, static_cast<int>(std::ceil(angle / (2 * std::numbers::pi) * of_a_turn - 1e-9)));
 }
 
 /// A point turned about the z axis. A whole turn ends exactly where it began.
 Vec3d turned(Vec3d p, double u, double phi_max) {
-  const double phi = u == 1 && phi_max == 2 * kPi ? 0 : u * phi_max;
+  const double phi = u == 1 && phi_max == 2 * std::numbers::pi ? 0 : u * phi_max;
   return {p.x * std::cos(phi) - p.y * std::sin(phi), p.x * std::sin(phi) + p.y * std::cos(phi), p.z};
 }
 
@@ -65,7 +64,7 @@ MeshData sphere(const Quadric& q, int of_a_turn) {
   const double theta_min = std::acos(q.z_min / q.radius), theta_max = std::acos(q.z_max / q.radius);  // from the z axis
   return grid(steps(q.phi_max, of_a_turn), steps(theta_min - theta_max, of_a_turn), [&](double u, double v) {
     const double theta = theta_min + v * (theta_max - theta_min);
-    const double sine = theta == kPi ? 0 : std::sin(theta);  // the pole is one point
+    const double sine = theta == std::numbers::pi ? 0 : std::sin(theta);  // the pole is one point
     const Vec3d normal = turned({sine, 0, std::cos(theta)}, u, q.phi_max);
     return Surface{normal * q.radius, normal};
   });
@@ -82,7 +81,7 @@ MeshData swept(const Quadric& q, int of_a_turn, int along, const At& at, const O
 MeshData hyperboloid(const Quadric& q, int of_a_turn) {
   const Vec3d way = q.to - q.from;
   return swept(
-      q, of_a_turn, steps(kPi, of_a_turn), [&](double v) { return lerp(q.from, q.to, v); },
+      q, of_a_turn, steps(std::numbers::pi, of_a_turn), [&](double v) { return lerp(q.from, q.to, v); },
       [&](double v) {
         const Vec3d p = lerp(q.from, q.to, v);
         return cross(Vec3d{-p.y, p.x, 0}, way);  // of the ways around and along
@@ -108,7 +107,7 @@ Quadric read_quadric(const std::string& kind, const Parameters& parameters) {
   q.kind = static_cast<Quadric::Kind>(std::find(kKinds.begin(), kKinds.end(), kind) - kKinds.begin());
   const double degrees = std::clamp(parameters.number("phimax", 360), 0.0, 360.0);
   if (degrees == 0) fail(parameters.place(), "'phimax' must be greater than 0");
-  q.phi_max = degrees * kPi / 180;
+  q.phi_max = degrees * std::numbers::pi / 180;
   const auto heights = [&](double low, double high, double least, double most) {
     const double a = parameters.number("zmin", low), b = parameters.number("zmax", high);
     q.z_min = std::clamp(std::min(a, b), least, most);
@@ -152,7 +151,7 @@ int steps_for(double radius_in_pixels) {
   // The middle of a chord lies r (1 - cos(pi / n)), nearly r pi^2 / (2 n^2), inside the circle.
   constexpr double kTolerance = 0.1;
   constexpr std::array kSteps{8, 12, 16, 20, 24, 28, 32, 40, 48, 56, 64, 80, 96, 112, 128, 160, 192, 224};
-  const double wanted = kPi * std::sqrt(radius_in_pixels / (2 * kTolerance));
+  const double wanted = std::numbers::pi * std::sqrt(radius_in_pixels / (2 * kTolerance));
   for (const int count : kSteps)
     if (wanted <= count) return count;
   return kMostSteps;
@@ -192,7 +191,7 @@ MeshData tessellate(const Quadric& q, int of_a_turn) {
           });
     case Quadric::Kind::paraboloid:  // as wide as its radius at the upper edge
       return swept(
-          q, of_a_turn, steps(kPi, of_a_turn),
+          q, of_a_turn, steps(std::numbers::pi, of_a_turn),
           [&](double v) {
             const double z = q.z_min + v * height;
             return Vec3d{q.radius * std::sqrt(z / q.z_max), 0, z};

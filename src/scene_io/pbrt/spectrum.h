@@ -9,6 +9,8 @@
 
 namespace kairos::pbrt {
 
+constexpr Vec3d kWhite{1, 1, 1};
+
 struct SpectrumContext {
   SceneFolder folder;  ///< files of samples are found from here, and may not lie outside
   Warnings& warnings;

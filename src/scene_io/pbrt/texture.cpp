@@ -12,8 +12,7 @@ namespace kairos::pbrt {
 
 namespace {
 constexpr Vec3d kGrey{0.5, 0.5, 0.5};  // of what can't be known
-constexpr Vec3d kWhite{1, 1, 1};
-constexpr size_t kMostPictures = 64;  // of a megabyte each
+constexpr size_t kMostPictures = 64;   // of a megabyte each
 
 /// How an image lies on texture coordinates.
 UvMap uv_map(const Parameters& parameters) {
