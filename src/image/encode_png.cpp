@@ -30,10 +30,10 @@ class PngWriter {
   PngWriter(const PngWriter&) = delete;
   PngWriter& operator=(const PngWriter&) = delete;
 
-  bool try_write(png_uint_32 width, png_uint_32 height, int kind, png_text* texts, int text_count, uint8_t** rows) {
+  bool try_write(png_uint_32 width, png_uint_32 height, int bits, int kind, png_text* texts, int text_count,
+                 uint8_t** rows) {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
-    constexpr int kBits = 8;
-    png_set_IHDR(png_, info_, width, height, kBits, kind, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+    png_set_IHDR(png_, info_, width, height, bits, kind, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
     png_set_text(png_, info_, texts, text_count);
     png_write_info(png_, info_);
@@ -77,14 +77,12 @@ int kind_of(int channels) {
   return channels == 1 ? PNG_COLOR_TYPE_GRAY : channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA;
 }
 
-}  // namespace
-
-std::vector<uint8_t> encode_png(std::span<const uint8_t> codes, int width, int height, int channels,
-                                const std::string& place, const std::vector<PngText>& texts) {
-  const size_t row_bytes = static_cast<size_t>(width) * static_cast<size_t>(channels);
-  check_code_count(codes, width, height, channels, place);
+/// rows: of `channels` codes of `bits` bits for each pixel; only read.
+std::vector<uint8_t> encode(std::span<const uint8_t> bytes, int width, int height, int bits, int channels,
+                            const std::string& place, const std::vector<PngText>& texts) {
+  const size_t row_bytes = static_cast<size_t>(width) * static_cast<size_t>(channels) * static_cast<size_t>(bits / 8);
   std::vector<uint8_t*> rows(static_cast<size_t>(height));
-  for (size_t y = 0; y < rows.size(); ++y) rows[y] = const_cast<uint8_t*>(codes.data()) + y * row_bytes;  // only read
+  for (size_t y = 0; y < rows.size(); ++y) rows[y] = const_cast<uint8_t*>(bytes.data()) + y * row_bytes;
   std::vector<png_text> chunks(texts.size());
   for (size_t i = 0; i < texts.size(); ++i) {
     chunks[i].compression = PNG_TEXT_COMPRESSION_NONE;
@@ -93,11 +91,24 @@ std::vector<uint8_t> encode_png(std::span<const uint8_t> codes, int width, int h
     chunks[i].text_length = texts[i].text.size();
   }
   PngWriter writer;
-  if (!writer.try_write(static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), kind_of(channels),
+  if (!writer.try_write(static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), bits, kind_of(channels),
                         chunks.data(), static_cast<int>(chunks.size()), rows.data()) &&
       !writer.out_of_memory())
     throw Error(ErrorCode::io, place, std::string("cannot be encoded as PNG: ") + writer.message());
   return writer.take();
+}
+
+}  // namespace
+
+std::vector<uint8_t> encode_png(std::span<const uint8_t> codes, int width, int height, int channels,
+                                const std::string& place, const std::vector<PngText>& texts) {
+  check_code_count(codes, width, height, channels, place);
+  return encode(codes, width, height, 8, channels, place, texts);
+}
+
+std::vector<uint8_t> encode_png16(std::span<const uint8_t> codes, int width, int height, const std::string& place) {
+  check_code_count(codes, width, height, 6, place);  // bytes of a pixel
+  return encode(codes, width, height, 16, 3, place, {});
 }
 
 }  // namespace kairos

@@ -1,3 +1,5 @@
+#include "image/write_image.h"
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -17,15 +19,18 @@ namespace {
 enum class Format { exr, png };
 
 Format format_of(const std::string& path) {
-  constexpr size_t kExtension = 4;
-  std::string end = path.substr(path.size() - std::min(kExtension, path.size()));
-  for (char& c : end) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (end == ".exr") return Format::exr;
-  if (end == ".png") return Format::png;
+  if (has_extension(path, ".exr")) return Format::exr;
+  if (has_extension(path, ".png")) return Format::png;
   throw Error(ErrorCode::bad_usage, path, "cannot tell the image format; end the name in .exr or .png");
 }
 
 }  // namespace
+
+bool has_extension(const std::string& path, std::string_view extension) {
+  std::string end = path.substr(path.size() - std::min(extension.size(), path.size()));
+  for (char& c : end) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return end == extension;
+}
 
 const Channel* Image::find(const std::string& name) const {
   const auto found =

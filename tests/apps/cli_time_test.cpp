@@ -169,6 +169,31 @@ TEST_F(CliTime, WritesAPage) {
   EXPECT_FALSE(exists("still.html"));
 }
 
+// The bar of the scene flies to the right; what is said of the commands' files is tested with the library.
+TEST_F(CliTime, WritesFlow) {
+  const std::string flow = "flow scene.json --quiet --fps 10 ";
+  ok(flow + "--to 1s -o forward.exr --occlusion hidden.png");
+  ok(flow + "--from 10 --to 0 -o backward.exr");
+  const auto mean = [&](const std::string& name, const char* channel) {
+    double sum = 0;
+    for (const float value : image(name).find(channel)->values) sum += static_cast<double>(value);
+    return sum;
+  };
+  EXPECT_GT(mean("forward.exr", "flow.u"), 1);
+  EXPECT_LT(mean("backward.exr", "flow.u"), -1);
+  EXPECT_TRUE(exists("hidden.png"));
+  ok(flow + "--frames 3-4 -o frame_%d.flo");
+  EXPECT_EQ(read(path("frame_3.flo")).size(), 12u + 8 * 32 * 20);
+  EXPECT_TRUE(exists("frame_4.flo"));
+
+  EXPECT_THAT(refusal(flow + "-o f.txt", 2), HasSubstr(".flo, .png or .exr"));
+  EXPECT_THAT(refusal(flow + "-o no/f.flo", 1), HasSubstr("no/f.flo"));
+  EXPECT_THAT(refusal(flow + "--shutter 0,1 -o f.flo", 2), HasSubstr("--from"));
+  EXPECT_THAT(refusal(flow + "--from 1 --to 1 -o f.flo", 2), HasSubstr("--to"));
+  EXPECT_THAT(refusal(flow + "--frames 1-2 -o f.flo", 2), HasSubstr("--output"));
+  EXPECT_FALSE(exists("f.flo"));
+}
+
 TEST_F(CliTime, RefusesInOneLine) {
   ok(std::string(kRender) + "--shutter 0,10 --time all.ktime");
   EXPECT_THAT(refusal("expose all.ktime -o a.exr --quiet --shutter 0.9s,1.2s", 1), HasSubstr("--shutter 0,12"));

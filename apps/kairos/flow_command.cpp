@@ -1,0 +1,118 @@
+// kairos flow: where what each pixel shows at one instant is at another.
+#include <memory>
+
+#include <kairos/error.h>
+#include <kairos/files.h>
+#include <kairos/flow.h>
+
+#include "arguments.h"
+#include "commands.h"
+#include "frames.h"
+#include "interrupt.h"
+#include "log.h"
+
+namespace kairos::cli {
+
+namespace {
+
+struct FlowArguments {
+  SceneArguments scene;
+  Duration from{0, false}, to{1, false};
+  std::optional<FrameRange> frames;
+  std::string out, occlusion, command_line;  ///< names of files; occlusion: or empty
+  std::optional<InstructionSet> instruction_set;
+  bool quiet = false;
+};
+
+void add_time(CLI::App& app, const std::string& name, Duration& out, const std::string& help) {
+  app.add_option_function<std::string>(
+         name, [&out, name](const std::string& text) { out = parse_duration(name, text); }, help)
+      ->type_name("TIME");
+}
+
+/// Of the frame that `scene.shot` says.
+void write_frame(const FlowArguments& arguments, const Scene& scene, const ShotOptions& of_frame,
+                 const std::string& out, const std::string& occlusion) {
+  ShotOptions options = of_frame;
+  const double fps = options.fps.value_or(contents(scene).fps);
+  const double from = arguments.from.in_frames(fps), to = arguments.to.in_frames(fps);
+  options.shutter = {std::min(from, to), std::max(from, to)};
+  options.textures = false;
+  const Shot shot = make_shot(scene, options);
+  FlowOptions flow_options;
+  flow_options.backward = to < from;
+  flow_options.threads = arguments.scene.threads;
+  flow_options.instruction_set = arguments.instruction_set;
+  flow_options.progress = [](double) { return !interrupted(); };
+  begin_polling();
+  Image image = flow(shot, flow_options);
+  end_polling();
+  image.attributes.push_back({"kairos:command_line", arguments.command_line});
+  write_flow(image, out);
+  if (!occlusion.empty()) write_occlusion(image, occlusion);
+  if (arguments.quiet) return;
+  size_t counts[4] = {};
+  for (const float state : image.find("flow.state")->values) ++counts[static_cast<size_t>(state)];
+  const double percent = 100.0 / static_cast<double>(image.find("flow.state")->values.size());
+  log(
+      fmt::format("wrote {}: of the points {:.1f} % are seen at both instants, {:.1f} % are hidden, {:.1f} % leave the "
+                  "frame, {:.1f} % are unknown",
+                  out, percent * static_cast<double>(counts[1]), percent * static_cast<double>(counts[2]),
+                  percent * static_cast<double>(counts[3]), percent * static_cast<double>(counts[0])));
+}
+
+void run_flow(const FlowArguments& arguments) {
+  const FrameRange frames = arguments.frames.value_or(FrameRange{});
+  const auto name = [&](const char* option, const std::string& text, int frame) {
+    return !arguments.frames || text.empty() ? text : FrameName(option, text).at(frame);
+  };
+  for (int frame = frames.first; frame <= frames.last; ++frame) {
+    check_writable_flow(name("--output", arguments.out, frame));
+    if (!arguments.occlusion.empty()) check_writable(name("--occlusion", arguments.occlusion, frame));
+  }
+  const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
+  if (!arguments.quiet)
+    for (const std::string& warning : contents(*scene).warnings) log("warning: " + warning);
+  for (int frame = frames.first; frame <= frames.last; ++frame) {
+    ShotOptions options = arguments.scene.shot;
+    if (arguments.frames) options.frame = frame;
+    write_frame(arguments, *scene, options, name("--output", arguments.out, frame),
+                name("--occlusion", arguments.occlusion, frame));
+  }
+}
+
+}  // namespace
+
+void add_flow_command(CLI::App& app, Action& chosen, const std::string& command_line) {
+  CLI::App& command = *app.add_subcommand("flow", "Where what each pixel shows at one instant is at another");
+  const auto arguments = std::make_shared<FlowArguments>();
+  arguments->command_line = command_line;
+  add_scene_arguments(command, arguments->scene);
+  add_time(command, "--from", arguments->from, "The one instant, from the frame's time, with --shutter's units [0]");
+  add_time(command, "--to", arguments->to, "The other one; may be the earlier one [1f]");
+  command.add_option("-o,--output", arguments->out, "The flow: Middlebury's .flo, KITTI's .png, or EXR")
+      ->type_name("OUT.flo|OUT.png|OUT.exr")
+      ->required();
+  command.add_option("--occlusion", arguments->occlusion, "A picture that is white where a point is not seen at --to")
+      ->type_name("OUT.png");
+  command
+      .add_option_function<std::string>(
+          "--frames", [arguments](const std::string& text) { arguments->frames = parse_frames("--frames", text); },
+          "Flow of these frames, each as with --frame; names of files then have %04d")
+      ->type_name("A-B")
+      ->excludes("--frame");
+  add_instruction_set(command, arguments->instruction_set);
+  command.add_flag("--quiet", arguments->quiet, "Errors only");
+  command.callback([arguments, &chosen] {
+    if (arguments->scene.shutter)
+      throw CLI::ValidationError("--shutter", "flow goes from one instant to another; give --from and --to");
+    if (arguments->from.value == arguments->to.value && arguments->from.seconds == arguments->to.seconds)
+      throw CLI::ValidationError("--to", "is the instant of --from");
+    if (arguments->frames) FrameName::check("--output", arguments->out);
+    if (arguments->frames && !arguments->occlusion.empty()) FrameName::check("--occlusion", arguments->occlusion);
+    arguments->scene.shot.strict = arguments->scene.load.strict;
+    chosen = [arguments] { run_flow(*arguments); };
+  });
+}
+
+}  // namespace kairos::cli
