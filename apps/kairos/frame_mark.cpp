@@ -9,6 +9,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <kairos/error.h>
+#include <kairos/image.h>
 #include <kairos/tracer.h>
 #include <kairos/version.h>
 
@@ -80,6 +82,25 @@ std::string read_frame_mark(const std::string& path) {
       return head.substr(found + name.size(), kMarkSize);
   }
   return "";
+}
+
+bool is_damaged_picture(const std::string& path) {
+  constexpr std::string_view kSignatures[] = {"\x76\x2f\x31\x01", "\x89PNG\r\n\x1a\n"};  // EXR, PNG
+  std::ifstream file(path, std::ios::binary);
+  std::string head(kSignatures[1].size(), '\0');
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<size_t>(file.gcount()));
+  const auto begins_as = [&](std::string_view signature) {
+    return head.substr(0, signature.size()) == signature.substr(0, head.size());
+  };
+  if (!std::any_of(std::begin(kSignatures), std::end(kSignatures), begins_as)) return false;
+  try {
+    read_image(path);
+    return false;
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::bad_input) return true;
+    throw;
+  }
 }
 
 }  // namespace kairos::cli

@@ -22,4 +22,8 @@ std::string frame_mark(const CLI::App& command, const std::vector<std::string>& 
 /// The mark in a picture's file; empty when it has none.
 std::string read_frame_mark(const std::string& path);
 
+/// Is the file what a full disk or a lost write leaves of an EXR or PNG: empty, or begun as one and not whole? Reads
+/// all of it. Throws Error(io) where it can't be read.
+bool is_damaged_picture(const std::string& path);
+
 }  // namespace kairos::cli

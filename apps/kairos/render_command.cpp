@@ -102,14 +102,19 @@ std::vector<FrameJob> jobs_of(const RenderArguments& arguments, const std::strin
   for (int frame = arguments.frames->first; frame <= arguments.frames->last; ++frame) {
     FrameJob job{arguments.scene.shot, out.at(frame), ""};
     if (!arguments.stats_file.empty()) job.stats_file = FrameName("--stats-file", arguments.stats_file).at(frame);
-    // Pictures get their name when they are complete: what is there need not be made again.
+    // Pictures get their name when they are complete: what is there need not be made again, unless a disk lost some of
+    // it.
     if (std::filesystem::is_regular_file(job.out)) {
-      if (read_frame_mark(job.out) != mark)
+      if (is_damaged_picture(job.out)) {
+        log(arguments, job.out + " is no whole picture: it is made again");
+      } else if (read_frame_mark(job.out) != mark) {
         throw Error(
             ErrorCode::bad_input, job.out,
             "is there, but not of this sequence: scene files, options or kairos were others; remove it, or give "
             "another name");
-      if (job.stats_file.empty() || std::filesystem::is_regular_file(job.stats_file)) continue;
+      } else if (job.stats_file.empty() || std::filesystem::is_regular_file(job.stats_file)) {
+        continue;
+      }
     }
     job.shot.frame = frame;
     jobs.push_back(std::move(job));

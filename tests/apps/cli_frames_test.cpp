@@ -13,7 +13,7 @@ class CliFrames : public CliTest {
  protected:
   static constexpr const char* kShot = "render scene.json --quiet --fps 8 --tc-rays 2 ";
 
-  std::vector<float> red(const std::string& name) const { return read_exr(path(name)).find("R")->values; }
+  std::vector<float> red(const std::string& name) const { return read_image(path(name)).find("R")->values; }
 };
 
 TEST_F(CliFrames, EachFrameIsWhatFrameAloneGives) {
@@ -70,6 +70,27 @@ TEST_F(CliFrames, PicturesOfAnotherSequenceAreNeitherKeptNorWrittenOver) {
     EXPECT_EQ(read(path(first)), "somebody's picture");
     std::filesystem::remove(path(first));
     ASSERT_EQ(run(command + " --tc-rays 1").status, 0);
+  }
+}
+
+TEST_F(CliFrames, DamagedPicturesAreMadeAgain) {
+  for (const std::string name : {"d%d.png", "d%d.exr"}) {
+    const std::string command = "render scene.json --fps 8 --tc-rays 1 --frames 0-3 -o " + name;
+    ASSERT_EQ(run(command).status, 0);
+    const auto file = [&](int frame) { return "d" + std::to_string(frame) + name.substr(3); };
+    const std::string second = read(path(file(1))), third = read(path(file(2)));
+    const std::vector<float> pixels[] = {red(file(0)), red(file(1)), red(file(2))};
+    write(file(0), "");
+    write(file(1), second.substr(0, 6));
+    write(file(2), third.substr(0, third.size() - 20));  // which has the mark
+    const CliResult result = run(command);
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.err.find("1 of 4 frames are there already"), std::string::npos) << result.err;
+    for (int frame = 0; frame < 3; ++frame) {
+      EXPECT_EQ(red(file(frame)), pixels[frame]) << file(frame);
+      EXPECT_NE(result.err.find(file(frame) + " is no whole picture: it is made again"), std::string::npos)
+          << result.err;
+    }
   }
 }
 
