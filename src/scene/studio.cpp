@@ -122,15 +122,15 @@ Surroundings look_around(const Shot& shot, Vec3d eye) {
   const Directions directions;
   Distances nearest;
   nearest.fill(kFar);
-  constexpr size_t kGrain = 1 << 14;
+  constexpr size_t kTrianglesAtOnce = 1 << 14;
   for (const Mesh& mesh : shot.meshes) {
     if (mesh.positions.empty() || !stops_light(shot, mesh)) continue;
-    std::vector<Distances> pieces((mesh.triangles.size() + kGrain - 1) / kGrain);
+    std::vector<Distances> pieces((mesh.triangles.size() + kTrianglesAtOnce - 1) / kTrianglesAtOnce);
     parallel_for(pieces.size(), 1, [&](size_t begin, size_t end) {
       for (size_t piece = begin; piece < end; ++piece) {
         pieces[piece].fill(kFar);
-        const size_t last = std::min((piece + 1) * kGrain, mesh.triangles.size());
-        for (size_t t = piece * kGrain; t < last; ++t) {
+        const size_t last = std::min((piece + 1) * kTrianglesAtOnce, mesh.triangles.size());
+        for (size_t t = piece * kTrianglesAtOnce; t < last; ++t) {
           std::array<Vec3f, 3> corners;
           for (size_t i = 0; i < 3; ++i)
             corners[i] = to_float(to_double(mesh.positions[0][mesh.triangles[t][i]]) - eye);
