@@ -21,6 +21,9 @@ add_library(WebP::webp UNKNOWN IMPORTED)
 set_target_properties(WebP::webp PROPERTIES IMPORTED_LOCATION ${WEBP_LIBRARY}
   INTERFACE_INCLUDE_DIRECTORIES ${WEBP_INCLUDE_DIR})
 
+# CMake's own module for HDF5 needs a C compiler.
+find_library(HDF5_LIBRARY NAMES hdf5_serial hdf5 REQUIRED)
+find_path(HDF5_INCLUDE_DIR hdf5.h PATH_SUFFIXES hdf5/serial REQUIRED)
 find_library(ZSTD_LIBRARY zstd REQUIRED)
 find_path(ZSTD_INCLUDE_DIR zstd.h REQUIRED)
 find_path(STB_INCLUDE_DIR stb/stb_image_write.h REQUIRED)

@@ -96,12 +96,12 @@ void add_shutter(CLI::App& app, std::optional<ShutterInterval>& out) {
       ->type_name("OPEN,CLOSE|LENGTH[@OPEN]");
 }
 
-void add_scene_arguments(CLI::App& app, SceneArguments& out) {
+CLI::Option* add_scene_only_arguments(CLI::App& app, SceneArguments& out) {
   constexpr double kMostTolerance = 1e6;  // pixels
   constexpr int kMostSide = 65536;        // pixels, as render() has it
-  app.add_option("SCENE", out.paths,
-                 "glTF, GLB, OBJ, PLY, pbrt or native JSON; several OBJ or PLY files are motion keys of one mesh")
-      ->required();
+  CLI::Option* const scene =
+      app.add_option("SCENE", out.paths,
+                     "glTF, GLB, OBJ, PLY, pbrt or native JSON; several OBJ or PLY files are motion keys of one mesh");
   app.add_option("--animation", out.load.animation, "Animation to play, 'all' or 'none' (default: the first)")
       ->type_name("NAME|INDEX");
   app.add_option("--gltf-scene", out.load.gltf_scene, "Scene of a glTF file (default: the file's own default)")
@@ -120,12 +120,6 @@ void add_scene_arguments(CLI::App& app, SceneArguments& out) {
   app.add_flag("--strict", out.load.strict, "Refuse bad triangles and unsupported features instead of warning");
   app.add_option("--camera", out.shot.camera, "Camera (default: the first, or one that frames everything)")
       ->type_name("NAME|INDEX");
-  add_real(app, "--frame", "Frame at which the shutter's times start", "F", [&](double v) { out.shot.frame = v; });
-  add_real(app, "--fps", "Frames per second", "R", [&](double v) {
-    if (!(v > 0)) throw CLI::ValidationError("--fps", "must be above 0");
-    out.shot.fps = v;
-  });
-  add_shutter(app, out.shutter);
   app.add_option_function<std::string>(
          "--size",
          [&](const std::string& text) {
@@ -133,17 +127,30 @@ void add_scene_arguments(CLI::App& app, SceneArguments& out) {
            out.shot.width = static_cast<int>(parse_count("--size", parts[0], 1, kMostSide));
            out.shot.height = static_cast<int>(parse_count("--size", parts[1], 1, kMostSide));
          },
-         "Size of the frame in pixels (default: the scene's own, or 960x540)")
+         out.shot.width > 0 ? fmt::format("Size of the frame in pixels [{}x{}]", out.shot.width, out.shot.height)
+                            : "Size of the frame in pixels (default: the scene's own, or 960x540)")
       ->type_name("WxH");
   add_real(app, "--motion-tolerance",
-           "How far, in pixels, linear motion between keys may leave a vertex's true path [0.1]", "PIXELS",
-           [&](double v) {
+           fmt::format("How far, in pixels, linear motion between keys may leave a vertex's true path [{}]",
+                       out.shot.motion_tolerance),
+           "PIXELS", [&](double v) {
              if (!(v > 0 && v <= kMostTolerance))
                throw CLI::ValidationError("--motion-tolerance", "must be above 0 and at most 1e6");
              out.shot.motion_tolerance = v;
            });
   add_count(app, "--threads", out.threads, 0, 1024, "Threads; 0: as many as the machine has")
       ->each([&out](const std::string&) { out.load.threads = out.shot.threads = out.threads; });
+  return scene;
+}
+
+void add_scene_arguments(CLI::App& app, SceneArguments& out) {
+  add_scene_only_arguments(app, out)->required();
+  add_real(app, "--frame", "Frame at which the shutter's times start", "F", [&](double v) { out.shot.frame = v; });
+  add_real(app, "--fps", "Frames per second", "R", [&](double v) {
+    if (!(v > 0)) throw CLI::ValidationError("--fps", "must be above 0");
+    out.shot.fps = v;
+  });
+  add_shutter(app, out.shutter);
 }
 
 ShotOptions shot_options(const SceneArguments& arguments, const Scene& scene) {

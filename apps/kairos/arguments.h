@@ -113,6 +113,8 @@ struct SceneArguments {
   int threads = 0;
 };
 void add_scene_arguments(CLI::App& app, SceneArguments& out);
+/// All of them but frames and shutters, with what `out` holds as defaults. Returns SCENE, which is not required yet.
+CLI::Option* add_scene_only_arguments(CLI::App& app, SceneArguments& out);
 /// With times in the scene's own frames.
 ShotOptions shot_options(const SceneArguments& arguments, const Scene& scene);
 

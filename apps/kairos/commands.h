@@ -23,5 +23,6 @@ void add_flow_command(CLI::App& app, Action& chosen, const std::string& command_
 void add_check_command(CLI::App& app, Action& chosen);
 /// Added last: it tells shells of the others.
 void add_completion_command(CLI::App& app, Action& chosen);
+void add_events_command(CLI::App& app, Action& chosen, const std::string& command_line);
 
 }  // namespace kairos::cli

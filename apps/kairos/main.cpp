@@ -1,4 +1,4 @@
-// The command line: kairos render|expose|calibrate|query|info|compare|check|study|completion. Exit status 0 on success,
+// The command line: kairos render|expose|calibrate|query|info|compare|check|events|study|completion. Exit status 0 on success,
 // 1 on bad input or a failed render, 2 on bad usage.
 #include <cstdio>
 #include <cstdlib>
@@ -72,6 +72,7 @@ int run(int argc, char** argv) {
   kairos::cli::add_info_command(app, chosen);
   kairos::cli::add_compare_command(app, chosen);
   kairos::cli::add_check_command(app, chosen);
+  kairos::cli::add_events_command(app, chosen, command_line);
   kairos::cli::add_study_command(app, chosen, command_line);
   kairos::cli::add_completion_command(app, chosen);
   try {

@@ -11,6 +11,7 @@
 #include "shading/layer_shading.h"
 #include "shading/shader.h"
 #include "shading/spread.h"
+#include "shading/steady_shading.h"
 
 namespace kairos {
 
@@ -25,13 +26,17 @@ inline SeenPart part_of(const Segment& segment, float begin, float end, uint32_t
 class SegmentShading {
  public:
   SegmentShading(const Shader& shader, const ShadingOptions& options)
-      : shader_(shader), options_(options), layers_(shader), keys_(options.grid) {}
+      : shader_(shader), options_(options), layers_(shader), steady_(shader, options), keys_(options.grid) {}
 
   /// Appends the parts of the segments of ray `index` of a pixel, seen through `blended`, to `out`: they cover exactly
   /// what the segments cover, and each is part of one of them. phase: see spread_samples.
   /// window: that of the rays.
   void shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> blended,
              const TimeRange& window, uint64_t pixel_seed, uint32_t index, float phase, RecordBuilder& out) {
+    if (options_.contrast > 0) {
+      evaluations_ += steady_.shade(ray, segments, blended, window, pixel_seed, index, out);
+      return;
+    }
     keys_.begin_ray(pixel_seed, index);
     const double share = unit_float(hash(pixel_seed, index, kShareDimension));
     if (!blended.empty() || shader_.has_sky()) {
@@ -154,6 +159,7 @@ class SegmentShading {
   const Shader& shader_;
   ShadingOptions options_;
   LayerShading layers_;
+  SteadyShading steady_;
   std::vector<ShadingSample> samples_;
   std::vector<Instant> instants_;
   std::vector<Shade> shades_;  // [instant]

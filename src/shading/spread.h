@@ -19,6 +19,7 @@ struct ShadingOptions {
   Clusters clusters = Clusters::on;  ///< not automatic
   bool over_time = false;  ///< colours as functions of time, each at its own instants; not with Clusters::pixel
   TimeGrid grid{8};
+  float contrast = 0, dark = 0;  ///< see RecordNeeds
 };
 inline Clusters clusters_of(const RenderParams& params) {
   if (params.clusters != Clusters::automatic) return params.clusters;
@@ -39,7 +40,7 @@ inline ShadingOptions shading_options(const Shot& shot, const RenderParams& para
   Clusters clusters = clusters_of(params);
   if (needs.over_time() && clusters == Clusters::pixel)
     clusters = Clusters::on;  // of a pixel's rays, at other instants
-  return {samples, clusters, needs.over_time(), grid};
+  return {samples, clusters, needs.over_time(), grid, needs.contrast, needs.dark};
 }
 
 /// The end of the cluster that begins with segment `first`: of the longest run of segments that touch and of which

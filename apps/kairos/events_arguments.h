@@ -1,0 +1,29 @@
+// What of a scene is recorded as events, by which sensor, and into which files.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <kairos/event_file.h>
+#include <kairos/events.h>
+
+#include "arguments.h"
+#include "light_arguments.h"
+
+namespace kairos::cli {
+
+struct EventsArguments {
+  SceneArguments scene;
+  LightArguments light;
+  EventOptions options;
+  std::optional<double> from, to;  ///< unset: as long as the animation
+  EventFileOptions file;
+  std::vector<std::string> outs;
+  bool quiet = false;
+};
+
+void add_event_sensor_options(CLI::App& app, EventSensor& sensor);
+void add_event_file_options(CLI::App& app, EventFileOptions& file);
+
+}  // namespace kairos::cli

@@ -1,0 +1,182 @@
+// kairos events: scene in, the stream of an event camera out.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <kairos/animations.h>
+#include <kairos/error.h>
+#include <kairos/files.h>
+
+#include "commands.h"
+#include "events_arguments.h"
+#include "events_commands.h"
+#include "interrupt.h"
+#include "log.h"
+#include "progress_bar.h"
+#include "report.h"
+
+namespace kairos::cli {
+
+namespace {
+
+/// Hands events to all files.
+class Files : public EventSink {
+ public:
+  Files(const std::vector<std::string>& paths, int width, int height, const EventFileOptions& options) {
+    for (const std::string& path : paths) {
+      // Each file takes of the options what it knows.
+      EventFileOptions own = options;
+      if (paths.size() > 1 && !path.ends_with(".txt")) own.header = EventFileOptions::Header::none;
+      files_.push_back(std::make_unique<EventFileWriter>(path, width, height, own));
+    }
+  }
+  void add(std::span<const Event> events) override {
+    for (const auto& file : files_) file->add(events);
+  }
+  void finish() {
+    for (const auto& file : files_) file->finish();
+  }
+
+ private:
+  std::vector<std::unique_ptr<EventFileWriter>> files_;
+};
+
+/// As long as the animation that plays, or else the second from 0 on.
+void choose_times(const EventsArguments& arguments, const Scene& scene, EventOptions& options) {
+  for (const SceneAnimation& animation : animations(scene))
+    if (animation.plays && animation.range && (*animation.range)[0] < (*animation.range)[1]) {
+      options.from = (*animation.range)[0];
+      options.to = (*animation.range)[1];
+      break;
+    }
+  if (arguments.from) options.from = *arguments.from;
+  if (arguments.to)
+    options.to = *arguments.to;
+  else if (options.to <= options.from)
+    options.to = options.from + 1;
+}
+
+/// What stamps may be off by: of a fast edge and of a slow one.
+std::string error_text(const EventOptions& options, const EventStats& stats) {
+  const EventErrors errors = event_errors(options);
+  const auto at = [&](double speed) {
+    return fmt::format("{:.3g} us at {:.4g} px/s", (errors.motion + errors.area) / speed * 1e6, speed);
+  };
+  constexpr double kUsual = 1000;
+  return fmt::format(
+      "stamps are off by at most about {:.3g} px of motion between keys (--motion-tolerance) and {:.3g} px {}: {}{}",
+      errors.motion, errors.area,
+      options.edges == EdgeModel::area ? "at outlines of a radius of 5 px" : "by steps of single rays", at(kUsual),
+      stats.fastest > 0 ? ", " + at(stats.fastest) + ", the fastest edge" : "");
+}
+
+void run_events(const EventsArguments& arguments, const std::string& command_line) {
+  for (const std::string& path : arguments.outs) {
+    check_event_file(path, arguments.scene.shot.width, arguments.scene.shot.height);
+    check_writable(path);
+  }
+  const auto say = [&](const std::string& line) {
+    if (!arguments.quiet) log(line);
+  };
+  const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
+  for (const std::string& warning : contents(*scene).warnings) say("warning: " + warning);
+  EventOptions options = arguments.options;
+  options.shot = arguments.scene.shot;
+  options.render.threads = arguments.scene.threads;
+  options.change_shot = [&](Shot& shot) { arguments.light.background.apply(shot); };
+  choose_times(arguments, *scene, options);
+  EventFileOptions file = arguments.file;
+  file.duration = std::llround((options.to - options.from) * 1e9);
+  file.kinds = options.sensor.leak > 0 || options.sensor.shot_noise > 0;
+  Files files(arguments.outs, options.shot.width, options.shot.height, file);
+
+  std::unique_ptr<ProgressBar> bar;
+  bool polling = false;
+  const Stopwatch recording;
+  EventStats stats;
+  try {
+    stats = record_events(*scene, options, files, [&](double fraction) {
+      if (!polling) begin_polling();
+      polling = true;
+      if (!bar && !arguments.quiet) bar = std::make_unique<ProgressBar>(0);
+      if (bar) bar->update(fraction);
+      return !interrupted();
+    });
+    end_polling();
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::cancelled) throw;
+    throw Error(ErrorCode::cancelled, "", "interrupted");
+  }
+  bar.reset();
+  files.finish();
+  for (const std::string& note : stats.notes) say("note: " + note);
+  const double seconds = options.to - options.from;
+  say(fmt::format("{} events in {:.6g} s of {}x{} pixels: {} on, {} off{}, {:.3g} per pixel and second",
+                  stats.on + stats.off, seconds, stats.width, stats.height, stats.on, stats.off,
+                  file.kinds ? fmt::format(", of them {} of leaking and {} of shot noise", stats.leak, stats.shot) : "",
+                  static_cast<double>(stats.on + stats.off) / seconds / stats.width / stats.height));
+  say(fmt::format("{} moving edges, {} changes without an edge that is known; {:.1f} s, {:.1f} s of processor time",
+                  stats.edges, stats.steps, recording.seconds(), stats.cpu_seconds));
+  say(error_text(options, stats));
+  for (const std::string& path : arguments.outs) {
+    write_event_notes(path + ".json", options, stats, command_line);
+    say(fmt::format("wrote {} and {}.json", path, path));
+  }
+}
+
+void add_record_options(CLI::App& command, EventsArguments& arguments) {
+  EventOptions& options = arguments.options;
+  command
+      .add_option("-o,--output", arguments.outs,
+                  fmt::format("The file to write, one of {}; may be given several times", event_file_endings()))
+      ->type_name("OUT");
+  add_real(command, "--from",
+           "Scene time at which the recording begins, in seconds (default: the animation's begin, or 0)", "S",
+           [&arguments](double value) { arguments.from = value; });
+  add_real(command, "--to", "Scene time at which it ends (default: the animation's end, or a second after it begins)",
+           "S", [&arguments](double value) { arguments.to = value; });
+  add_count(command, "--rays", options.rays, 1, 256, "Rays per pixel: 1, 4, 16, 64 or 256");
+  add_choice(command, "--edges", options.edges,
+             "How an edge passes a pixel. area: it covers each ray's part as it moves over it; step: rays jump");
+  add_event_sensor_options(command, options.sensor);
+  add_event_file_options(command, arguments.file);
+  add_choice(command, "--shading", options.render.shading,
+             "normal: |normal| as colour; flat: base colour, unlit; whitted: lit, with shadows, mirrors and glass",
+             kSurfaceShadings);
+  add_count(command, "--max-depth", options.render.max_depth, 0, 64,
+            "whitted: how often a ray may be reflected or refracted");
+  add_count(command, "--looks", options.looks, 2, 65536, "How often in a second colours are looked at, at least");
+  add_real(command, "--chunk", "Seconds that are rendered at once [0.5]", "S",
+           [&options](double value) { options.chunk = value; });
+  add_count(command, "--seed", options.render.seed, 0, UINT64_MAX, "Another seed: other points in pixels, other noise");
+  add_instruction_set(command, options.render.instruction_set);
+  command.add_flag("--quiet", arguments.quiet, "No log and no progress, errors only");
+}
+
+}  // namespace
+
+void add_events_command(CLI::App& app, Action& chosen, const std::string& command_line) {
+  CLI::App& command = *app.add_subcommand("events", "Record a scene as an event camera sees it");
+  const auto arguments = std::make_shared<EventsArguments>();
+  constexpr int kWidth = 346, kHeight = 260;  // of a DAVIS346
+  constexpr double kTolerance = 0.005;
+  arguments->scene.shot.width = kWidth;
+  arguments->scene.shot.height = kHeight;
+  arguments->scene.shot.motion_tolerance = kTolerance;
+  arguments->options.render.shading = ShadingKind::whitted;
+  add_scene_only_arguments(command, arguments->scene);
+  add_record_options(command, *arguments);
+  add_light_options(command, arguments->light);
+  add_events_info_command(command, chosen);
+  command.callback([arguments, &chosen, &command, command_line] {
+    if (!command.get_subcommands().empty()) return;
+    if (arguments->scene.paths.empty()) throw CLI::RequiredError("SCENE");
+    if (arguments->outs.empty()) throw CLI::RequiredError("--output");
+    arguments->scene.shot.textures = arguments->options.render.shading != ShadingKind::normal;
+    arguments->scene.shot.strict = arguments->scene.load.strict;
+    arguments->light.apply(command, arguments->options.render, arguments->scene.shot);
+    chosen = [arguments, command_line] { run_events(*arguments, command_line); };
+  });
+}
+
+}  // namespace kairos::cli

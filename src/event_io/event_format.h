@@ -1,0 +1,87 @@
+// What all kinds of event files have in common.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <kairos/event_file.h>
+
+namespace kairos {
+
+/// Takes events in order, and finishes the file.
+class EventFileWriter::Format {
+ public:
+  virtual ~Format() = default;
+  virtual void add(std::span<const Event> events) = 0;
+  virtual void finish() = 0;
+};
+
+/// What a writer is told.
+struct EventFilePlan {
+  std::string path;
+  int width, height;
+  EventFileOptions options;
+};
+
+inline int64_t microseconds(int64_t nanoseconds) { return nanoseconds / 1000; }  // never negative
+
+// Writers.
+std::unique_ptr<EventFileWriter::Format> make_npz_writer(const EventFilePlan& plan);
+std::unique_ptr<EventFileWriter::Format> make_npy_writer(const EventFilePlan& plan);
+std::unique_ptr<EventFileWriter::Format> make_text_writer(const EventFilePlan& plan);
+std::unique_ptr<EventFileWriter::Format> make_evt2_writer(const EventFilePlan& plan);
+std::unique_ptr<EventFileWriter::Format> make_evt3_writer(const EventFilePlan& plan);
+std::unique_ptr<EventFileWriter::Format> make_dat_writer(const EventFilePlan& plan);
+std::unique_ptr<EventFileWriter::Format> make_dsec_writer(const EventFilePlan& plan);
+std::unique_ptr<EventFileWriter::Format> make_aedat4_writer(const EventFilePlan& plan);
+std::unique_ptr<EventFileWriter::Format> make_aedat2_writer(const EventFilePlan& plan);
+
+// Readers of a file's bytes. They hand over events in blocks, and throw Error(bad_input) for what is none.
+EventFileFacts read_npz(const std::string& path, std::span<const uint8_t> bytes, EventSink& sink);
+EventFileFacts read_npy(const std::string& path, std::span<const uint8_t> bytes, EventSink& sink);
+EventFileFacts read_event_text(const std::string& path, std::span<const uint8_t> bytes, EventSink& sink);
+EventFileFacts read_raw(const std::string& path, std::span<const uint8_t> bytes, EventSink& sink);
+EventFileFacts read_dat(const std::string& path, std::span<const uint8_t> bytes, EventSink& sink);
+EventFileFacts read_aedat4(const std::string& path, std::span<const uint8_t> bytes, EventSink& sink);
+/// Of an HDF5 file, which its library opens by itself.
+EventFileFacts read_dsec(const std::string& path, EventSink& sink);
+
+/// Collects what a reader finds, and hands it over in blocks.
+class EventBlock {
+ public:
+  explicit EventBlock(EventSink& sink) : sink_(sink) {}
+
+  void add(int64_t nanoseconds, uint64_t x, uint64_t y, bool on, EventKind kind = EventKind::signal) {
+    events_.push_back(
+        {nanoseconds, static_cast<uint16_t>(x), static_cast<uint16_t>(y), static_cast<int8_t>(on ? 1 : -1), kind});
+    if (events_.size() == kBlock) flush();
+  }
+  void flush() {
+    if (!events_.empty()) sink_.add(events_);
+    events_.clear();
+  }
+
+ private:
+  static constexpr size_t kBlock = 1 << 16;
+
+  EventSink& sink_;
+  std::vector<Event> events_;
+};
+
+/// Of numbers in files, least significant byte first. The caller has checked that they are there.
+template <class Number>
+Number read_little(const uint8_t* bytes) {
+  Number value = 0;
+  for (size_t i = 0; i < sizeof(Number); ++i) value |= static_cast<Number>(static_cast<Number>(bytes[i]) << (8 * i));
+  return value;
+}
+template <class Number>
+void put_little(std::vector<uint8_t>& out, Number value) {
+  for (size_t i = 0; i < sizeof(Number); ++i)
+    out.push_back(static_cast<uint8_t>(static_cast<uint64_t>(value) >> (8 * i)));
+}
+
+}  // namespace kairos

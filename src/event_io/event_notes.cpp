@@ -1,0 +1,65 @@
+// What a recording is and how it was made, as JSON beside it.
+#include <nlohmann/json.hpp>
+
+#include <kairos/event_file.h>
+#include <kairos/files.h>
+#include <kairos/version.h>
+
+namespace kairos {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json sensor_json(const EventSensor& sensor) {
+  ordered_json json;
+  json["on"] = sensor.on;
+  json["off"] = sensor.off;
+  json["mismatch"] = sensor.mismatch;
+  json["white"] = sensor.white;
+  json["dark"] = sensor.dark;
+  json["refractory_s"] = sensor.refractory;
+  json["refractory_mode"] = std::string(to_string(sensor.refractory_mode));
+  json["cutoff_hz"] = sensor.cutoff;
+  json["leak_hz"] = sensor.leak;
+  json["leak_spread"] = sensor.leak_spread;
+  json["leak_jitter"] = sensor.leak_jitter;
+  json["shot_noise_hz"] = sensor.shot_noise;
+  json["random_level"] = sensor.random_level;
+  json["bayer"] = sensor.bayer;
+  return json;
+}
+
+}  // namespace
+
+void write_event_notes(const std::string& path, const EventOptions& options, const EventStats& stats,
+                       const std::string& command_line) {
+  ordered_json json;
+  json["kairos"] = std::string(version());
+  json["command_line"] = command_line;
+  json["from_s"] = options.from;
+  json["to_s"] = options.to;
+  json["width"] = stats.width;
+  json["height"] = stats.height;
+  json["origin"] = "pixel (0, 0) is the upper left one; times count from from_s";
+  json["order"] = "time, y, x";
+  json["rays"] = options.rays;
+  json["edges"] = std::string(to_string(options.edges));
+  json["looks_per_s"] = options.looks;
+  json["chunk_s"] = options.chunk;
+  json["motion_tolerance_px"] = options.shot.motion_tolerance;
+  json["shading"] = std::string(to_string(options.render.shading));
+  json["seed"] = options.render.seed;
+  json["sensor"] = sensor_json(options.sensor);
+  json["events"] = {{"on", stats.on}, {"off", stats.off}, {"leak", stats.leak}, {"shot", stats.shot}};
+  json["moving_edges"] = stats.edges;
+  json["steps"] = stats.steps;
+  json["rays_traced"] = stats.rays;
+  json["shading_samples"] = stats.shading_samples;
+  json["fastest_edge_px_per_s"] = stats.fastest;
+  const EventErrors errors = event_errors(options);
+  json["errors_px"] = {{"motion", errors.motion}, {"edges", errors.area}};
+  write_file(path, json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace kairos

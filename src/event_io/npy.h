@@ -1,0 +1,29 @@
+// Headers of numpy's array files.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace kairos {
+
+/// Of a one-dimensional array, always of kNpyHeader bytes, so that it can be written again when its length is known.
+inline constexpr size_t kNpyHeader = 128;
+/// descr: as numpy writes it, such as '<i8' with its quotes.
+std::string npy_header(const std::string& descr, uint64_t count);
+
+/// Metavision's event, of 16 bytes; numpy names the two that are left empty.
+inline constexpr const char* kNpyEvents = "[('x','<u2'),('y','<u2'),('p','<i2'),('','|V2'),('t','<i8')]";
+
+/// What an array holds.
+struct NpyArray {
+  std::string descr;  ///< as it stands there, without spaces
+  uint64_t count = 0;
+  std::span<const uint8_t> data;  ///< at least count times what the caller takes an item to be: see parse_npy
+};
+/// Throws Error(bad_input, place) for what is none, is not one-dimensional, or has fewer bytes than
+/// count * item_size(descr). item_size of unknown descriptions is 0.
+NpyArray parse_npy(const std::string& place, std::span<const uint8_t> bytes);
+size_t npy_item_size(const std::string& descr);
+
+}  // namespace kairos

@@ -1,0 +1,35 @@
+// The edge that passes a ray when it sees another surface: which way it faces in the picture, how fast it moves, and
+// exactly when it is there.
+#pragma once
+
+#include <optional>
+
+#include <kairos/scene.h>
+#include <kairos/tracer.h>
+
+#include "camera/film_plane.h"
+
+namespace kairos {
+
+struct EdgeMotion {
+  double time = 0;     ///< shutter time at which the edge passes the film point
+  Vec2d normal{1, 0};  ///< unit, in pixels right and down: the way in which it moves
+  double speed = 0;    ///< pixels per shutter time along the normal; above 0
+};
+
+/// Looks at the triangles of a shot in camera space, which must outlive it. Safe to use from many threads.
+class EdgeFinder {
+ public:
+  explicit EdgeFinder(const Shot& shot) : shot_(shot), plane_(shot.projection) {}
+
+  /// before, after: what the ray through a film point sees until `time` and from there on; the mesh kNoMesh: nothing.
+  /// The edge of the nearer one, or else the line in which one passes through the other. Unset where neither is near:
+  /// what changed was no outline (a cut-out, the border of the picture's time) or does not move.
+  std::optional<EdgeMotion> find(double x, double y, double time, const Segment& before, const Segment& after) const;
+
+ private:
+  const Shot& shot_;
+  FilmPlane plane_;
+};
+
+}  // namespace kairos

@@ -1,0 +1,157 @@
+// Colours of a ray over time that change by what changes in the scene alone, to a bound: for who looks at differences.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "math/hash.h"
+#include "pixel/record_builder.h"
+#include "shading/layers.h"
+#include "shading/roulette.h"
+#include "shading/shader.h"
+#include "shading/spread.h"
+
+namespace kairos {
+
+/// One thread's scratch memory. See RecordNeeds::contrast.
+class SteadyShading {
+ public:
+  SteadyShading(const Shader& shader, const ShadingOptions& options) : shader_(shader), options_(options) {}
+
+  /// Appends the parts of ray `index` of a pixel to `out`: one for each segment, or for each layer of what is seen
+  /// through blended surfaces. Returns the number of evaluations.
+  uint64_t shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> blended,
+                 const TimeRange& window, uint64_t pixel_seed, uint32_t index, RecordBuilder& out) {
+    key_ = {hash(pixel_seed, kSteadyDimension), index};
+    evaluations_ = 0;
+    if (blended.empty() && !shader_.has_sky()) {
+      for (const Segment& segment : segments) add(ray, segment, segment.begin, segment.end, 0, 1, out);
+      return evaluations_;
+    }
+    opacities_.clear();
+    for (const Segment& hit : blended)
+      opacities_.push_back(shader_.opacity(ray, hit.mesh, hit.triangle, 0.5f * (hit.begin + hit.end)));
+    layers_.build(segments, blended, shader_.has_sky(), opacities_, window);
+    for (size_t i = 0; i < layers_.stretches().size(); ++i) add_stretch(ray, i, blended, out);
+    return evaluations_;
+  }
+
+ private:
+  static constexpr uint64_t kSteadyDimension = 7;  // beside those of other samples
+  /// A change within so short a part of the shutter is a jump.
+  static constexpr float kShortest = 0x1p-19f;
+  /// Of a segment: more are spent on noise, which no number of them would follow.
+  static constexpr uint32_t kMostRefined = 4096;
+
+  /// The opacity of a layer holds for a cell of the grid: as it is halfway through.
+  void add_stretch(const Ray& ray, size_t index, std::span<const Segment> blended, RecordBuilder& out) {
+    const Segment& back = layers_.stretches()[index];
+    const std::span<const uint32_t> before = layers_.before(index);
+    if (before.empty() && !layers_.is_cut(index)) return add(ray, back, back.begin, back.end, 0, 1, out);
+    float begin = back.begin;
+    for (double cell = std::floor(options_.grid.place(begin)) + 1; begin < back.end; ++cell) {
+      const float end = std::clamp(options_.grid.time_at(cell), begin, back.end);
+      if (!(begin < end)) continue;
+      uint32_t layer = 0;
+      float open = 1;
+      const float middle = 0.5f * (begin + end);
+      const auto add_blended = [&](const Segment& hit) {
+        if (open < kLeastOpen) return;
+        const float opacity = shader_.opacity(ray, hit.mesh, hit.triangle, middle);
+        if (!(opacity > 0)) return;
+        add(ray, hit, begin, end, layer++, opacity, out);
+        open *= 1 - opacity;
+      };
+      for (const uint32_t hit : before) add_blended(blended[hit]);
+      if (layers_.is_cut(index)) {
+        layers_.find_farther(index, middle, blended, farther_);
+        for (const uint32_t hit : farther_) add_blended(blended[hit]);
+      }
+      if (open >= kLeastOpen && (back.mesh != kNoMesh || shader_.has_sky() || layer == 0))
+        add(ray, back, begin, end, layer, 1, out);
+      begin = end;
+    }
+  }
+
+  /// What is seen of a surface, or of the sky, from `begin` to `end`.
+  void add(const Ray& ray, const Segment& seen, float begin, float end, uint32_t layer, float opacity,
+           RecordBuilder& out) {
+    const bool sky = seen.mesh == kNoMesh;
+    const auto look = [&](float time) {
+      ++evaluations_;
+      if (sky) return Instant{time, {shader_.sky(ray, time), {}, {}}};
+      return Instant{time, shader_.shade(ray, seen.mesh, seen.triangle, time, key_)};
+    };
+    instants_.clear();
+    // Half-open: at its very end something else is seen.
+    const float latest = std::max(begin, std::nextafter(end, 0.0f));
+    const TimeGrid& grid = options_.grid;
+    if (!(sky ? shader_.sky_varies() : shader_.varies(seen.mesh)) || !(begin < latest)) {
+      instants_.push_back(look(begin));
+    } else {
+      refined_ = 0;
+      Instant before = look(begin);
+      instants_.push_back(before);
+      for (double cell = std::floor(grid.place(begin)) + 1; before.time < latest; ++cell) {
+        const float time = std::min(grid.time_at(cell), latest);
+        if (!(before.time < time)) continue;
+        const Instant after = look(time);
+        refine(before, after, true, look);
+        instants_.push_back(after);
+        before = after;
+      }
+    }
+    const SeenPart part{
+        {begin, end, distance_at(seen, begin), distance_at(seen, end), seen.mesh, seen.triangle, seen.front},
+        out.knot_count(),
+        static_cast<uint32_t>(instants_.size()),
+        layer,
+        opacity};
+    for (const Instant& at : instants_) out.add_knot(at.time, at.shade.colour, at.shade.normal, at.shade.albedo);
+    out.add_part(part);
+  }
+
+  struct Instant {
+    float time;
+    Shade shade;
+  };
+
+  /// Looks at the middle until the straight line is near enough there, or what is left is a jump.
+  /// first: nothing is known of what happens between the two; later, what is the same on both sides has been there.
+  template <class Look>
+  void refine(const Instant& before, const Instant& after, bool first, const Look& look) {
+    if (after.time - before.time < kShortest || refined_ >= kMostRefined) return;
+    if (!first && is_near(after.shade.colour - before.shade.colour, before.shade.colour)) return;
+    const float time = before.time + 0.5f * (after.time - before.time);
+    if (!(before.time < time && time < after.time)) return;
+    ++refined_;
+    const Instant middle = look(time);
+    const bool straight = is_straight(before.shade.colour, middle.shade.colour, after.shade.colour);
+    if (!straight) refine(before, middle, false, look);
+    instants_.push_back(middle);
+    if (!straight) refine(middle, after, false, look);
+  }
+
+  bool is_straight(Vec3f before, Vec3f middle, Vec3f after) const {
+    return is_near(middle - (before + after) * 0.5f, middle);
+  }
+  bool is_near(Vec3f off, Vec3f colour) const {
+    const float bright = 0.2126f * colour.x + 0.7152f * colour.y + 0.0722f * colour.z;  // Rec. 709
+    return std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) <=
+           options_.contrast * (std::max(bright, 0.0f) + options_.dark);
+  }
+
+  const Shader& shader_;
+  ShadingOptions options_;
+  SampleKey key_{};
+  Layers layers_;
+  std::vector<float> opacities_;  // [blended hit], halfway through
+  std::vector<uint32_t> farther_;
+  std::vector<Instant> instants_;
+  uint32_t refined_ = 0;
+  uint64_t evaluations_ = 0;
+};
+
+}  // namespace kairos
