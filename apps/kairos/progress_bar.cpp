@@ -34,8 +34,8 @@ ProgressBar::~ProgressBar() {
 std::string ProgressBar::rate_and_time_left(double fraction) const {
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   if (!(elapsed > 0 && fraction > 0)) return "";
-  return fmt::format("{}rays/s, {} left", with_unit(rays_ * fraction / elapsed),
-                     clock_time(elapsed * (1 - fraction) / fraction));
+  const std::string left = clock_time(elapsed * (1 - fraction) / fraction) + " left";
+  return rays_ > 0 ? fmt::format("{}rays/s, {}", with_unit(rays_ * fraction / elapsed), left) : left;
 }
 
 void ProgressBar::update(double fraction) {

@@ -9,7 +9,7 @@ namespace kairos::cli {
 /// On a terminal a bar that is drawn anew in place; otherwise a line for every 10 %. Writes to stderr.
 class ProgressBar {
  public:
-  /// rays: of the whole picture, for the rate.
+  /// rays: of the whole picture, for the rate; 0: it is not told.
   explicit ProgressBar(double rays);
   /// Wipes the bar off the terminal.
   ~ProgressBar();

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <kairos/event_file.h>
+#include <kairos/event_page.h>
 
 #include "error_matchers.h"
 #include "seed.h"
@@ -139,6 +140,17 @@ TEST(EventFiles, ThatAreBrokenDoNoHarm) {
       }
     }
   }
+}
+
+TEST(EventPage, HoldsItsEventsAndPictures) {
+  const std::vector<Event> events{{2000000, 1, 2, 1, EventKind::signal}, {2003999, 258, 3, -1, EventKind::signal}};
+  const std::vector<EventPagePicture> pictures{{0.5, {1, 2, 3}}};
+  const std::string page = event_page(events, 346, 260, "</script>", pictures);
+  // Microseconds after the first, x, and y with the polarity: 0 1 0x8002; 3 258 3.
+  EXPECT_NE(page.find("AAAAAAEAAoADAAAAAgEDAA=="), std::string::npos);
+  EXPECT_NE(page.find("\"AQID\""), std::string::npos);
+  EXPECT_EQ(page.find("\"</script>"), std::string::npos);
+  expect_error([&] { event_page({}, 346, 260, "a.npz"); }, {"a.npz", "no events"}, ErrorCode::bad_usage);
 }
 
 TEST(EventFiles, WhatCannotBeIsRefused) {
