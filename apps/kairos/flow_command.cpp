@@ -54,7 +54,7 @@ void write_frame(const FlowArguments& arguments, const Scene& scene, const ShotO
   size_t counts[4] = {};
   for (const float state : image.find("flow.state")->values) ++counts[static_cast<size_t>(state)];
   const double percent = 100.0 / static_cast<double>(image.find("flow.state")->values.size());
-  log(
+  cli::log(
       fmt::format("wrote {}: of the points {:.1f} % are seen at both instants, {:.1f} % are hidden, {:.1f} % leave the "
                   "frame, {:.1f} % are unknown",
                   out, percent * static_cast<double>(counts[1]), percent * static_cast<double>(counts[2]),
@@ -72,7 +72,7 @@ void run_flow(const FlowArguments& arguments) {
   }
   const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
   if (!arguments.quiet)
-    for (const std::string& warning : contents(*scene).warnings) log("warning: " + warning);
+    for (const std::string& warning : contents(*scene).warnings) cli::log("warning: " + warning);
   for (int frame = frames.first; frame <= frames.last; ++frame) {
     ShotOptions options = arguments.scene.shot;
     if (arguments.frames) options.frame = frame;

@@ -67,6 +67,7 @@ int run(int argc, char** argv) {
   kairos::cli::add_render_command(app, chosen, command_line);
   kairos::cli::add_expose_command(app, chosen, command_line);
   kairos::cli::add_flow_command(app, chosen, command_line);
+  kairos::cli::add_dataset_command(app, chosen, command_line);
   kairos::cli::add_calibrate_command(app, chosen);
   kairos::cli::add_query_command(app, chosen);
   kairos::cli::add_info_command(app, chosen);

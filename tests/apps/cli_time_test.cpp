@@ -194,6 +194,64 @@ TEST_F(CliTime, WritesFlow) {
   EXPECT_FALSE(exists("f.flo"));
 }
 
+TEST_F(CliTime, MakesDataSets) {
+  // A camera that looks along -x and moves along x, a metre a second, with what it sees.
+  std::string scene = read(path("scene.json"));
+  const std::string still = R"({"time": 0, "eye": [0, 0, 0], "target": [0, 0, -1], "up": [0, 1, 0]})";
+  const std::string moving = R"({"time": 0, "eye": [0, 0, 0], "target": [-1, 0, 0], "up": [0, 1, 0]},)"
+                             R"({"time": 1, "eye": [1, 0, 0], "target": [0, 0, 0], "up": [0, 1, 0]})";
+  scene.replace(scene.find(still), still.size(), moving);
+  write("moving.json", scene);
+  const std::string sampled = " --fps 10 --shading flat --tc-rays 8 --quiet ";
+  const std::string shutter = "--shutter 1 --rolling top:0.4s --sensor-lines 40,5 ";
+  ok("dataset moving.json --layout fastec-rs -o set --frames 2-3 " + sampled + shutter);
+  const auto poses = read(path("set/moving_poses.csv"));
+  EXPECT_EQ(std::count(poses.begin(), poses.end(), '\n'), 1 + 2 * 20);
+  int frame = 0, line = 0;
+  double time = 0, q[4] = {}, place[3] = {};
+  const char* const row = poses.c_str() + poses.find("\n3,7,") + 1;
+  ASSERT_EQ(std::sscanf(row, "%d,%d,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &frame, &line, &time, &q[0], &q[1], &q[2], &q[3],
+                        &place[0], &place[1], &place[2]),
+            10);
+  EXPECT_NEAR(time, 0.3 + (5 + 7) * 0.01 + 0.05, 1e-9);
+  EXPECT_NEAR(place[0], time, 1e-6);
+  EXPECT_NEAR(q[0], std::sqrt(0.5), 1e-6);
+  EXPECT_NEAR(q[2], std::sqrt(0.5), 1e-6) << "a quarter turn about y, counter-clockwise from above";
+  const json meta = json::parse(read(path("set/moving/meta.log")), nullptr, false);
+  EXPECT_EQ(meta.at("line_time_s"), 0.01);
+  EXPECT_EQ(meta.at("frames").size(), 2u);
+  EXPECT_NEAR(meta.at("frames").at(1).at("sharp_s").get<double>(), 0.3 + (5 + 9.5) * 0.01 + 0.05, 1e-9);
+  EXPECT_NEAR(meta.at("intrinsics").at("fy").get<double>(), 10 / std::tan(M_PI / 6), 1e-6);
+  EXPECT_TRUE(exists("set/" + meta.at("frames").at(1).at("files").at("sharp_first").get<std::string>()));
+
+  // The pictures are those of files that hold time.
+  ok("dataset scene.json --layout bs-rsc -o set --sequence bar --exr --frames 2 --shutter 1 --rolling left:0.4s " +
+     sampled);
+  ok("render scene.json --frame 2 --shutter 0,5 --time all.ktime --time-tolerance exact" + sampled);
+  ok("expose all.ktime -o rolling.exr --quiet --shutter 1 --rolling left:0.4s");
+  const double middle = 0.4 * 15.5 / 32 + 0.05;
+  ok("expose all.ktime -o sharp.exr --quiet --at " + std::to_string(middle) + "s");
+  EXPECT_LT(difference("rolling.exr", "set/bar/RS/0000.exr"), 1e-4);
+  EXPECT_LT(difference("sharp.exr", "set/bar/GS/0000.exr"), 1e-2);
+  EXPECT_GT(difference("rolling.exr", "set/bar/GS/0000.exr"), 0.1);
+
+  ok("dataset scene.json --layout sintel -o set --frames 1-2 --shutter 1 " + sampled);
+  EXPECT_TRUE(exists("set/final/scene/frame_0002.png") && exists("set/clean/scene/frame_0001.png"));
+  EXPECT_TRUE(exists("set/flow/scene/frame_0001.flo") && exists("set/occlusions/scene/frame_0001.png"));
+  EXPECT_FALSE(exists("set/flow/scene/frame_0002.flo"));
+  ok("dataset scene.json --layout gopro -o set --frames 1 --shutter 1 " + sampled);
+  EXPECT_TRUE(exists("set/scene/blur/000001.png") && exists("set/scene/sharp/000001.png"));
+  ok("dataset scene.json --layout reds -o set --sequence 000 --frames 1 --shutter 1 " + sampled);
+  EXPECT_TRUE(exists("set/train_blur/000/00000000.png") && exists("set/train_sharp/000/00000000.png"));
+
+  EXPECT_THAT(refusal("dataset scene.json --layout bs-rsc -o no --frames 1", 2), HasSubstr("--rolling"));
+  EXPECT_THAT(refusal("dataset scene.json --layout kitty -o no --frames 1", 2), HasSubstr("gopro|reds"));
+  EXPECT_THAT(refusal("dataset scene.json --layout reds -o no --frames 1 --sequence a/b", 2), HasSubstr("--sequence"));
+  EXPECT_FALSE(exists("no"));
+  EXPECT_THAT(refusal("dataset scene.json --layout reds -o scene.json/no --frames 1 --quiet" + sampled, 1),
+              HasSubstr("scene.json/no"));
+}
+
 TEST_F(CliTime, RefusesInOneLine) {
   ok(std::string(kRender) + "--shutter 0,10 --time all.ktime");
   EXPECT_THAT(refusal("expose all.ktime -o a.exr --quiet --shutter 0.9s,1.2s", 1), HasSubstr("--shutter 0,12"));

@@ -1,0 +1,351 @@
+// kairos dataset: sequences of exposed and sharp pictures, flow and poses, laid out as loaders of data sets read them.
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include <kairos/error.h>
+#include <kairos/files.h>
+#include <kairos/flow.h>
+#include <kairos/picture.h>
+#include <kairos/version.h>
+
+#include "arguments.h"
+#include "commands.h"
+#include "dataset_layout.h"
+#include "frames.h"
+#include "interrupt.h"
+#include "light_arguments.h"
+#include "log.h"
+#include "report.h"
+#include "sampling_arguments.h"
+#include "view_arguments.h"
+
+namespace kairos::cli {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+struct DatasetArguments {
+  SceneArguments scene;
+  SamplingArguments sampling;
+  LightArguments light;
+  ViewArguments view;
+  FrameRange frames;
+  const DatasetLayout* layout = nullptr;
+  std::string folder, sequence, command_line;
+  bool exr = false, quiet = false;
+};
+
+/// Everything of a frame is one rendering, whose rays see all of the time from the first line's opening to the last
+/// one's closing: of discrete rays next to none would see an instant.
+class AllOverTime : public PixelConsumer {
+ public:
+  RecordNeeds needs() const override { return {RecordNeeds::Time::segments, false, false}; }
+  void add(const PixelRecord&) override {}
+};
+
+struct FrameTimes {
+  Shutter shutter;
+  double frame_time = 0;  ///< scene time
+  int lines = 1;
+
+  /// The middle of a line's exposure, in scene time.
+  double middle_of(int line) const {
+    const ExposureInterval interval = line_interval(shutter, line);
+    return frame_time + (interval.open + interval.close) / 2;
+  }
+  double first() const { return middle_of(0); }
+  double middle() const { return (middle_of(0) + middle_of(lines - 1)) / 2; }
+};
+
+bool rolls(const Shutter& shutter) { return shutter.open_line != 0 || shutter.close_line != 0; }
+
+/// Of a camera whose axes in the world are these: w, x, y, z.
+std::array<double, 4> quaternion_of(const std::array<Vec3d, 3>& a) {
+  // The largest component first, which is at least 1/2: nothing is divided by what may be 0.
+  const double w = 1 + a[0].x + a[1].y + a[2].z, x = 1 + a[0].x - a[1].y - a[2].z, y = 1 - a[0].x + a[1].y - a[2].z,
+               z = 1 - a[0].x - a[1].y + a[2].z;
+  const double most = std::max({w, x, y, z}), s = 0.5 / std::sqrt(most);
+  if (most == w) return {w * s, (a[1].z - a[2].y) * s, (a[2].x - a[0].z) * s, (a[0].y - a[1].x) * s};
+  if (most == x) return {(a[1].z - a[2].y) * s, x * s, (a[0].y + a[1].x) * s, (a[2].x + a[0].z) * s};
+  if (most == y) return {(a[2].x - a[0].z) * s, (a[0].y + a[1].x) * s, y * s, (a[1].z + a[2].y) * s};
+  return {(a[0].y - a[1].x) * s, (a[2].x + a[0].z) * s, (a[1].z + a[2].y) * s, z * s};
+}
+
+/// Seven numbers: the camera's rotation to the world, and where it is.
+std::array<double, 7> pose_at(const Shot& shot, double scene_time) {
+  const double length = shot.shutter_close - shot.shutter_open;
+  const double time = length > 0 ? std::clamp((scene_time - shot.shutter_open) / length, 0.0, 1.0) : 0;
+  std::array<double, 4> q{1, 0, 0, 0};
+  Vec3d place;
+  if (shot.world_from_camera) q = quaternion_of(shot.world_from_camera(time));
+  if (shot.camera_position) place = shot.camera_position(time);
+  return {q[0], q[1], q[2], q[3], place.x, place.y, place.z};
+}
+
+ordered_json intrinsics_of(const Projection& p) {
+  ordered_json json{{"width", p.width}, {"height", p.height}};
+  if (p.matrix) {
+    json["projection_matrix_columns"] = *p.matrix;
+  } else if (p.orthographic) {
+    json["view_height"] = p.view_height;
+    json["pixel_aspect"] = p.pixel_aspect;
+  } else {
+    const double focal = p.height / 2.0 / std::tan(p.vfov / 2);  // pixels
+    json["fx"] = focal / p.pixel_aspect;
+    json["fy"] = focal;
+    json["cx"] = p.width / 2.0 - p.shift[0] * p.height / p.pixel_aspect;
+    json["cy"] = p.height / 2.0 + p.shift[1] * p.height;
+  }
+  return json;
+}
+
+class Dataset {
+ public:
+  Dataset(const DatasetArguments& arguments, const Scene& scene) : arguments_(arguments), scene_(scene) {
+    fps_ = arguments.scene.shot.fps.value_or(contents(scene).fps);
+    poses_ = "frame,line,time_s,qw,qx,qy,qz,x,y,z\n";
+  }
+
+  void write() {
+    for (int frame = arguments_.frames.first; frame <= arguments_.frames.last; ++frame) write_frame(frame);
+    describe();
+  }
+
+ private:
+  const DatasetLayout& layout() const { return *arguments_.layout; }
+
+  /// The path of a file of the frame, in a folder that is there.
+  std::string place(const char* pattern, int frame) const {
+    const int number = frame - arguments_.frames.first + layout().first_number;
+    return made(std::filesystem::path(arguments_.folder) / dataset_file(pattern, arguments_.sequence, number));
+  }
+  static std::string made(const std::filesystem::path& path) {
+    std::error_code ec;
+    std::filesystem::create_directories(path.parent_path(), ec);
+    if (ec) throw Error(ErrorCode::io, path.parent_path().string(), "cannot be made: " + ec.message());
+    return path.string();
+  }
+
+  /// The shot of a frame, for all of its exposures.
+  Shot shot_of(int frame, FrameTimes& times) {
+    SceneArguments of_frame = arguments_.scene;
+    of_frame.shot.frame = frame;
+    ShotOptions options = shot_options(of_frame, scene_);
+    const std::array<int, 2> size = contents(scene_).image_size.value_or(std::array<int, 2>{960, 540});
+    const int width = options.width > 0 ? options.width : size[0],
+              height = options.height > 0 ? options.height : size[1];
+    const std::array<double, 2> in_frames = options.shutter.value_or(std::array<double, 2>{0, 0.5});
+    times.shutter =
+        shutter_of(arguments_.sampling.exposure, {in_frames[0] / fps_, in_frames[1] / fps_}, fps_, width, height);
+    times.frame_time = frame / fps_;
+    const bool columns = times.shutter.scan == Scan::left || times.shutter.scan == Scan::right;
+    times.lines = columns ? width : height;
+    const ExposureInterval whole = whole_interval(times.shutter, width, height);
+    options.shutter = {whole.open * fps_, whole.close * fps_};
+    Shot shot = make_shot(scene_, options);
+    if (!(shot.shutter_close > shot.shutter_open))
+      throw Error(ErrorCode::bad_usage, "", "a data set needs exposures of some length; give another --shutter");
+    arguments_.light.background.apply(shot);
+    for (const std::string& note : shot.notes)
+      if (frame == arguments_.frames.first && !arguments_.quiet) cli::log("note: " + note);
+    return shot;
+  }
+
+  void write_frame(int frame) {
+    FrameTimes times;
+    const Shot shot = shot_of(frame, times);
+    const auto picture = [&](const Shutter& shutter) {
+      RenderParams params = arguments_.sampling.params;
+      params.exposure = Exposure(shutter, times.frame_time, shot.projection.width, shot.projection.height,
+                                 shot.shutter_open, shot.shutter_close);
+      return Picture(shot.projection, params);
+    };
+    const auto instant = [&](double scene_time) {
+      Shutter shutter;
+      shutter.open = shutter.close = scene_time - times.frame_time;
+      return picture(shutter);
+    };
+    Picture exposed = picture(times.shutter), sharp = instant(times.middle()), first = instant(times.first());
+    AllOverTime over_time;
+    std::vector<PixelConsumer*> consumers{&exposed, &sharp, &over_time};
+    if (*layout().sharp_first != 0) consumers.push_back(&first);
+    begin_polling();
+    Renderer(shot).render(arguments_.sampling.params, consumers, nullptr, [](double) { return !interrupted(); });
+    end_polling();
+
+    ordered_json files;
+    const auto write = [&](Picture& from, const char* pattern, const char* what) {
+      if (*pattern == 0) return;
+      Image image = from.take();
+      image.attributes.push_back({"kairos:command_line", arguments_.command_line});
+      WriteOptions options;
+      options.view = arguments_.view.choice.value_or(usual_view(shot, arguments_.sampling.params.shading));
+      options.exposure = arguments_.view.exposure;
+      const std::string path = place(pattern, frame);
+      write_interruptibly(image, path, options);
+      if (arguments_.exr) write_interruptibly(image, std::filesystem::path(path).replace_extension(".exr").string());
+      files[what] = std::filesystem::relative(path, arguments_.folder).generic_string();
+    };
+    write(exposed, layout().exposed, "exposed");
+    write(sharp, layout().sharp, "sharp");
+    write(first, layout().sharp_first, "sharp_first");
+    if (*layout().flow != 0 && frame < arguments_.frames.last) write_flow_of(frame, times, files);
+    tell(frame, shot, times, std::move(files));
+    if (!arguments_.quiet)
+      cli::log(
+          fmt::format("frame {}, {} of {}", frame, frame - arguments_.frames.first + 1, arguments_.frames.count()));
+  }
+
+  /// From the frame's sharp picture to the next one.
+  void write_flow_of(int frame, const FrameTimes& times, ordered_json& files) {
+    ShotOptions options = arguments_.scene.shot;
+    options.frame = frame;
+    const double from = (times.middle() - times.frame_time) * fps_;
+    options.shutter = {from, from + 1};
+    options.textures = false;
+    FlowOptions flow_options;
+    flow_options.threads = arguments_.scene.threads;
+    flow_options.instruction_set = arguments_.sampling.params.instruction_set;
+    flow_options.progress = [](double) { return !interrupted(); };
+    begin_polling();
+    const Image image = flow(make_shot(scene_, options), flow_options);
+    end_polling();
+    const std::string path = place(layout().flow, frame), occlusion = place(layout().occlusion, frame);
+    write_flow(image, path);
+    write_occlusion(image, occlusion);
+    files["flow"] = std::filesystem::relative(path, arguments_.folder).generic_string();
+    files["occlusion"] = std::filesystem::relative(occlusion, arguments_.folder).generic_string();
+  }
+
+  /// What meta.json and poses.csv say of a frame.
+  void tell(int frame, const Shot& shot, const FrameTimes& times, ordered_json files) {
+    const ExposureInterval first = line_interval(times.shutter, 0);
+    const bool rolling = rolls(times.shutter);
+    frames_.push_back({{"frame", frame},
+                       {"frame_time_s", times.frame_time},
+                       {"first_line_open_s", times.frame_time + first.open},
+                       {"first_line_close_s", times.frame_time + first.close},
+                       {"sharp_s", times.middle()},
+                       {"sharp_first_s", times.first()},
+                       {"pose_start", pose_at(shot, shot.shutter_open)},
+                       {"pose_sharp", pose_at(shot, times.middle())},
+                       {"pose_end", pose_at(shot, shot.shutter_close)},
+                       {"files", std::move(files)}});
+    for (int line = 0; line < (rolling ? times.lines : 1); ++line) {
+      const auto pose = pose_at(shot, times.middle_of(line));
+      poses_ += fmt::format("{},{},{:.17g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", frame, line,
+                            times.middle_of(line), pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], pose[6]);
+    }
+    if (frame > arguments_.frames.first) return;
+    constexpr const char* kScans[] = {"top", "bottom", "left", "right"};
+    const Shutter& s = times.shutter;
+    meta_["layout"] = layout().name;
+    meta_["sequence"] = arguments_.sequence;
+    meta_["fps"] = fps_;
+    meta_["exposure_s"] = first.close - first.open;
+    meta_["scan"] = rolling ? kScans[static_cast<int>(s.scan)] : "none";
+    meta_["line_time_s"] = s.close_line;
+    meta_["lines_open_together"] = rolling && s.open_line == 0;
+    meta_["readout_s"] = s.close_line * times.lines;
+    meta_["readout_definition"] = "lines x line time";
+    meta_["curve"] = arguments_.sampling.exposure.curve_text;
+    meta_["sharp"] = "the instant in the middle of the middle line's exposure; sharp_first: of the first line's";
+    meta_["colour"] = "PNG: sRGB through a view; pictures are averaged in linear light before";
+    meta_["pose"] =
+        "w, x, y, z of the rotation from the camera to the world, then its place in metres; the camera looks along "
+        "-z, y is up. poses.csv: at the middle of each line's exposure";
+    meta_["intrinsics"] = intrinsics_of(shot.projection);
+  }
+
+  void describe() {
+    meta_["frames"] = frames_;
+    meta_["scene"] = arguments_.scene.paths;
+    meta_["command"] = arguments_.command_line;
+    meta_["kairos"] = version();
+    const std::filesystem::path folder(arguments_.folder);
+    const std::string text = meta_.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+    if (*layout().log != 0) write_file(made(folder / dataset_file(layout().log, arguments_.sequence, 0)), text);
+    write_file(made(folder / (arguments_.sequence + "_poses.csv")), poses_);
+    write_file(made(folder / (arguments_.sequence + "_meta.json")), text);
+    if (!arguments_.quiet) cli::log(fmt::format("wrote {}/{}_meta.json", arguments_.folder, arguments_.sequence));
+  }
+
+  const DatasetArguments& arguments_;
+  const Scene& scene_;
+  double fps_ = 24;
+  ordered_json meta_, frames_ = ordered_json::array();
+  std::string poses_;
+};
+
+void run_dataset(DatasetArguments& arguments) {
+  read_calibration_into(arguments.sampling);
+  const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
+  if (!arguments.quiet)
+    for (const std::string& warning : contents(*scene).warnings) cli::log("warning: " + warning);
+  Dataset(arguments, *scene).write();
+}
+
+}  // namespace
+
+void add_dataset_command(CLI::App& app, Action& chosen, const std::string& command_line) {
+  CLI::App& command = *app.add_subcommand("dataset", "Make a data set: exposed and sharp pictures, flow, poses");
+  const auto arguments = std::make_shared<DatasetArguments>();
+  arguments->command_line = command_line;
+  std::string names;
+  for (const DatasetLayout& layout : dataset_layouts()) names += (names.empty() ? "" : "|") + std::string(layout.name);
+  add_scene_arguments(command, arguments->scene);
+  command
+      .add_option_function<std::string>(
+          "--layout",
+          [arguments, names](const std::string& text) {
+            for (const DatasetLayout& layout : dataset_layouts())
+              if (text == layout.name) arguments->layout = &layout;
+            if (arguments->layout == nullptr)
+              throw CLI::ValidationError("--layout", fmt::format("'{}' is not one of: {}", text, names));
+          },
+          "Whose loaders are to read it")
+      ->type_name(names)
+      ->required();
+  command.add_option("-o,--output", arguments->folder, "The folder of the data set")->type_name("DIR")->required();
+  command
+      .add_option_function<std::string>(
+          "--frames", [arguments](const std::string& text) { arguments->frames = parse_frames("--frames", text); },
+          "The frames of the sequence")
+      ->type_name("A-B")
+      ->excludes("--frame")
+      ->required();
+  command.add_option("--sequence", arguments->sequence, "The sequence's name (default: the scene's)")
+      ->type_name("NAME");
+  command.add_flag("--exr", arguments->exr, "An EXR of linear colours beside every PNG");
+  add_exposure_options(command, arguments->sampling.exposure);
+  add_light_options(command, arguments->light);
+  add_sampling_options(command, arguments->sampling);
+  add_view_options(command, arguments->view);
+  command.add_flag("--quiet", arguments->quiet, "Errors only");
+  command.callback([arguments, &chosen, &command] {
+    choose_integrator(command, arguments->sampling.params);
+    if (arguments->sampling.params.integrator == IntegratorKind::qmc)
+      throw CLI::ValidationError("--integrator", "discrete rays see no time; use tc, mixed or auto");
+    if (arguments->layout->rolls && !arguments->sampling.exposure.rolling)
+      throw CLI::ValidationError("--rolling",
+                                 fmt::format("{} is of rolling shutters; give it", arguments->layout->name));
+    if (!arguments->sampling.exposure.map.empty())
+      throw CLI::ValidationError("--interval-map",
+                                 "a data set's lines are exposed one after the other; give --rolling");
+    if (arguments->sequence.empty())
+      arguments->sequence = std::filesystem::path(arguments->scene.paths.front()).stem().string();
+    if (arguments->sequence.find('/') != std::string::npos || arguments->sequence.find('%') != std::string::npos)
+      throw CLI::ValidationError("--sequence", "is the name of a folder, without / and %");
+    arguments->sampling.params.threads = arguments->scene.threads;
+    arguments->scene.shot.textures = arguments->sampling.params.shading != ShadingKind::normal;
+    arguments->scene.shot.strict = arguments->scene.load.strict;
+    arguments->light.apply(command, arguments->sampling.params, arguments->scene.shot);
+    chosen = [arguments] { run_dataset(*arguments); };
+  });
+}
+
+}  // namespace kairos::cli
