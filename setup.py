@@ -18,7 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parent
 
 def configure(tree: pathlib.Path) -> None:
     options = ["-DCMAKE_BUILD_TYPE=Release", "-DKAIROS_PYTHON=ON", "-DKAIROS_BUILD_TESTS=OFF", "-DKAIROS_BUILD_BENCH=OFF",
-               f"-DPython3_EXECUTABLE={sys.executable}"]
+               "-DCMAKE_UNITY_BUILD=ON", "-DCMAKE_UNITY_BUILD_BATCH_SIZE=12", f"-DPython3_EXECUTABLE={sys.executable}"]
     try:
         import pybind11  # one that was installed for this build; otherwise CMake finds the system's
 

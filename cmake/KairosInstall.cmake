@@ -33,7 +33,9 @@ install(FILES ${words_dir}/_kairos DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vend
 install(FILES ${words_dir}/kairos.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
 find_program(HELP2MAN help2man)
 if(HELP2MAN)
-  foreach(subcommand IN ITEMS "" render expose check calibrate query info compare study completion)
+  file(STRINGS ${PROJECT_SOURCE_DIR}/apps/kairos/main.cpp subcommands REGEX "add_[a-z]+_command\\(app")
+  list(TRANSFORM subcommands REPLACE ".*add_([a-z]+)_command.*" "\\1")
+  foreach(subcommand IN ITEMS "" LISTS subcommands)
     string(JOIN - page kairos ${subcommand})
     string(JOIN " " call $<TARGET_FILE:kairos_cli> ${subcommand})
     list(APPEND commands COMMAND ${HELP2MAN} --no-info --section 1 --name "ray tracing in which time is integrated exactly"

@@ -1,7 +1,7 @@
 """Pairs for training: random scenes, each blurred and sharp, with what else is known of it. No framework needed.
 
-Each item is a dict of float32 arrays: "blurred" and "sharp" (H, W, 3), "depth" (H, W) and "moving" (H, W), the part of the
-time in which a pixel sees something that moves. A data loader's workers can call `item` with numbers of their own.
+Each item is a dict of float32 arrays: "blurred" and "sharp" (H, W, 3), "depth" (H, W), "flow" (H, W, 2), by how many pixels
+what a pixel shows at first moves right and down, and "moving" (H, W), the part of the time in which it sees something that moves. A data loader's workers can call `item` with numbers of their own.
 
 Usage: training_pairs.py [OUT.png [COUNT]]
 """
@@ -48,6 +48,7 @@ def item(number):
                               cameras=kairos.Camera.look_at((0, 0, 5), (0, 0, 0)), fps=1)
     blurred = scene.shot(shutter=(0, 1)).render(spp=16, seed=number)
     sharp = scene.shot(shutter=(0.5, 0.5)).render(spp=16, seed=number, aovs="depth")
+    moved = kairos.flow(scene.shot(shutter=(0, 1)))
     # One ray through the middle of each pixel: for how long does it see anything but the wall?
     world = scene.shot(shutter=(0, 1), space="world")
     (width, height), half = SIZE, np.tan(np.radians(45) / 2)
@@ -56,7 +57,8 @@ def item(number):
     hits = kairos.Tracer(world).query(np.tile([0, 0, 5], (width * height, 1)), directions.reshape(-1, 3))
     seen = hits.segments
     moving = np.bincount(hits.ray_index, (seen["end"] - seen["begin"]) * (seen["mesh"] > 0), len(hits)).reshape(height, width)
-    return {"blurred": blurred.rgb, "sharp": sharp.rgb, "depth": sharp["depth.Z"], "moving": moving.astype(np.float32)}
+    return {"blurred": blurred.rgb, "sharp": sharp.rgb, "depth": sharp["depth.Z"],
+            "flow": np.stack([moved["flow.u"], moved["flow.v"]], axis=-1), "moving": moving.astype(np.float32)}
 
 
 if __name__ == "__main__":
@@ -65,6 +67,8 @@ if __name__ == "__main__":
     for number in range(count):
         pair = item(number)
         print(number, {name: values.shape for name, values in pair.items()})
-        rows.append(np.concatenate([pair["blurred"], pair["sharp"], pair["moving"][..., None].repeat(3, axis=-1)], axis=1))
+        u, v = np.moveaxis(pair["flow"] / 40, -1, 0)  # right is red, up is green
+        shown = np.stack([0.2 + u, 0.2 - v, np.full_like(u, 0.2)], axis=-1).clip(0, 1)
+        rows.append(np.concatenate([pair["blurred"], pair["sharp"], shown, pair["moving"][..., None].repeat(3, axis=-1)], axis=1))
     sheet = np.concatenate(rows)
     kairos.Image({name: sheet[..., i] for i, name in enumerate("RGB")}, view="filmic").write(sys.argv[1] if len(sys.argv) > 1 else "training_pairs.png")

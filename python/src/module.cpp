@@ -50,4 +50,5 @@ PYBIND11_MODULE(_kairos, module) {
   python::bind_render(module);
   python::bind_tracer(module);
   python::bind_time(module);
+  python::bind_flow(module);
 }

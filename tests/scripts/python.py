@@ -100,6 +100,12 @@ class SameNumbers(unittest.TestCase):
             whole = picture.expose()
             np.testing.assert_allclose(mean[:3], whole.rgb[13, 20], atol=1e-5)
 
+    def test_flow(self):
+        command("flow", DEMO, "-o", self.path("a.exr"), "--from", 25, "--to", 24, "--size", "48x27")
+        found = kairos.flow(kairos.load(DEMO).shot(frame=24, shutter=(0, 1), size=(48, 27)), backward=True)
+        self.assert_same(found, self.path("a.exr"))
+        self.assertGreater(np.abs(found["flow.u"]).max(), 0.1)
+
     def test_query(self):
         rng = np.random.default_rng()
         rays = np.concatenate([rng.uniform(-4, 4, (500, 3)) + [0, 4, 9], rng.normal(size=(500, 3))], axis=1).astype(np.float32)
