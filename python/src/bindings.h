@@ -10,5 +10,6 @@ void bind_render(py::module_& module);
 void bind_tracer(py::module_& module);
 void bind_time(py::module_& module);
 void bind_flow(py::module_& module);
+void bind_events(py::module_& module);
 
 }  // namespace kairos::python

@@ -51,4 +51,5 @@ PYBIND11_MODULE(_kairos, module) {
   python::bind_tracer(module);
   python::bind_time(module);
   python::bind_flow(module);
+  python::bind_events(module);
 }

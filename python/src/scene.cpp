@@ -5,6 +5,7 @@
 
 #include "bindings.h"
 #include "fields.h"
+#include "held_scene.h"
 #include "shot.h"
 
 namespace kairos::python {
@@ -37,11 +38,6 @@ py::object to_python(const TextureRef& texture) {
 }
 
 namespace {
-
-/// Scene is opaque, and Python needs a whole type.
-struct HeldScene {
-  std::shared_ptr<const Scene> scene;
-};
 
 py::object kairos_class(const char* name) { return py::module_::import("kairos").attr(name); }
 

@@ -106,6 +106,15 @@ class SameNumbers(unittest.TestCase):
         self.assert_same(found, self.path("a.exr"))
         self.assertGreater(np.abs(found["flow.u"]).max(), 0.1)
 
+    def test_events(self):
+        command("events", DEMO, "-o", self.path("a.npz"), "--from", 1, "--to", 1.02, "--size", "48x27", "--rays", 1, "--sensor", "v2e",
+                "--time-unit", "ns", "--polarity", "signs", "--quiet")
+        recorded = kairos.record_events(kairos.load(DEMO), time=(1, 1.02), size=(48, 27), rays=1, sensor="v2e")
+        written = np.load(self.path("a.npz"))
+        self.assertGreater(len(recorded), 20)
+        for name in "txyp":
+            np.testing.assert_array_equal(recorded.events[name], written[name])
+
     def test_query(self):
         rng = np.random.default_rng()
         rays = np.concatenate([rng.uniform(-4, 4, (500, 3)) + [0, 4, 9], rng.normal(size=(500, 3))], axis=1).astype(np.float32)

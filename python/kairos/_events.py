@@ -1,0 +1,97 @@
+"""Event cameras."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal, Optional, Union
+
+import numpy.typing as npt
+
+from . import _kairos
+from ._render import Progress, Shading
+from ._scene import Scene
+
+
+@dataclass
+class EventSensor:
+    """What a pixel makes of its light: it fires when ln(light / white + dark) is `on` above or `off` below the level at which
+    it fired last. All else is off by default; docs/events.md says what it is. refractory is in seconds, cutoff, leak and
+    shot_noise in Hz.
+
+    >>> EventSensor.preset("v2e").leak > 0
+    True
+    """
+
+    on: float = 0.2
+    off: float = 0.2
+    mismatch: float = 0.0
+    white: float = 1.0
+    dark: float = 1.0 / 255
+    refractory: float = 0.0
+    refractory_mode: Literal["hold", "drop", "resample"] = "hold"
+    cutoff: float = 0.0
+    leak: float = 0.0
+    leak_spread: float = 0.0
+    leak_jitter: float = 0.0
+    shot_noise: float = 0.0
+    random_level: bool = False
+    bayer: str = ""
+
+    @classmethod
+    def preset(cls, name: str) -> EventSensor:
+        """One by its name: "ideal", "v2e", "v2e-clean", "v2e-noisy", "esim", "vid2e" or "metavision".
+
+        >>> EventSensor.preset("ideal") == EventSensor()
+        True
+        """
+        return cls(**_kairos.sensor_preset(name))
+
+
+@dataclass(eq=False)
+class Events:
+    """A recording. events: structured array (N,) in order of time, then y, then x, in the library's own memory: t (int64,
+    nanoseconds from the recording's begin), x, y (uint16, (0, 0) is the upper left corner), p (int8, 1 brighter, -1 darker),
+    kind (uint8: 0 signal, 1 leak, 2 shot noise). size: width and height. stats: work and counts.
+
+    >>> recorded = record_events(load("demo.glb"), time=(1, 1.01), size=(48, 27))
+    >>> recorded.events.dtype.names
+    ('t', 'x', 'y', 'p', 'kind')
+    """
+
+    events: npt.NDArray[Any]
+    size: tuple[int, int]
+    stats: dict[str, Any]
+
+    def __len__(self) -> int:
+        """How many events there are."""
+        return len(self.events)
+
+    def __repr__(self) -> str:
+        return f"<Events {self.size[0]}x{self.size[1]}, {len(self)} events>"
+
+
+def record_events(scene: Scene, *, time: Optional[tuple[float, float]] = None, sensor: Union[str, EventSensor] = "ideal",
+                  size: tuple[int, int] = (346, 260), camera: Union[str, int] = "", rays: int = 4,
+                  edges: Literal["area", "step"] = "area", looks: int = 64, chunk: float = 0.5, shading: Shading = "whitted",
+                  lights: Literal["auto", "file", "studio", "none"] = "auto", motion_tolerance: float = 0.005, max_depth: int = 8,
+                  seed: int = 0, threads: int = 0, progress: Optional[Progress] = None) -> Events:
+    """What an event camera says of a scene, with exact time stamps: the stream of `kairos events`.
+
+    time: from and to, seconds of the scene; None: those of the animation that plays, or its first second. sensor: an
+    EventSensor, or a preset's name. size: width and height in pixels. rays: per pixel, 1, 4, 16, 64 or 256. edges: whether an edge covers a ray's part of the pixel bit by
+    bit, or at once. looks: how often in a second colours are looked at. chunk: seconds that are rendered at once.
+
+    Raises UsageError for what is out of range, Cancelled when progress returned False.
+
+    >>> recorded = record_events(load("demo.glb"), time=(1, 1.02), size=(48, 27))
+    >>> len(recorded) == recorded.stats["on"] + recorded.stats["off"]
+    True
+    """
+    values: dict[str, Any] = dict(
+        sensor=sensor if isinstance(sensor, EventSensor) else EventSensor.preset(sensor), size=size, camera=str(camera),
+        rays=rays, edges=edges, looks=looks, chunk=chunk, shading=shading, lights=lights, motion_tolerance=motion_tolerance,
+        max_depth=max_depth, seed=seed, threads=threads)
+    if time is None:
+        time = next((each.range for each in scene.animations if each.plays and each.range), (0.0, 1.0))
+    values["from"], values["to"] = time
+    return Events(*_kairos.events(scene._held, values, progress))

@@ -1,0 +1,118 @@
+// Event cameras: scenes as streams of events.
+#include <kairos/events.h>
+
+#include "bindings.h"
+#include "held_scene.h"
+#include "params.h"
+#include "shot.h"
+
+namespace kairos::python {
+
+namespace {
+
+template <class F, class S>
+void sensor_fields(F& f, S& s) {
+  f("on", s.on);
+  f("off", s.off);
+  f("mismatch", s.mismatch);
+  f("white", s.white);
+  f("dark", s.dark);
+  f("refractory", s.refractory);
+  f("refractory_mode", s.refractory_mode);
+  f("cutoff", s.cutoff);
+  f("leak", s.leak);
+  f("leak_spread", s.leak_spread);
+  f("leak_jitter", s.leak_jitter);
+  f("shot_noise", s.shot_noise);
+  f("random_level", s.random_level);
+  f("bayer", s.bayer);
+}
+
+py::dict sensor_preset(const std::string& name) {
+  const auto sensor = event_sensor(name);
+  if (!sensor) refuse("sensor", "'" + name + "' is not one of: " + event_sensor_names());
+  Writer writer;
+  sensor_fields(writer, *sensor);
+  return writer.values;
+}
+
+class Collector : public EventSink {
+ public:
+  void add(std::span<const Event> more) override { events.insert(events.end(), more.begin(), more.end()); }
+  std::vector<Event> events;
+};
+
+/// The events as an array of this, whose memory is the collector's.
+py::dtype event_type() {
+  const py::list names = py::cast(std::vector<std::string>{"t", "x", "y", "p", "kind"});
+  const py::list formats = py::cast(std::vector<std::string>{"i8", "u2", "u2", "i1", "u1"});
+  const py::list offsets = py::cast(std::vector<size_t>{offsetof(Event, time), offsetof(Event, x), offsetof(Event, y),
+                                                        offsetof(Event, polarity), offsetof(Event, kind)});
+  return {names, formats, offsets, sizeof(Event)};
+}
+
+py::tuple events(const HeldScene& held, const py::dict& values, py::object callback) {
+  EventOptions options;
+  options.shot.lights = LightChoice::automatic;
+  options.render.shading = ShadingKind::whitted;
+  std::optional<std::array<int, 2>> size;
+  Reader reader("", values);
+  Reader sensor("sensor", py::dict(reader.take("sensor").attr("__dict__")));
+  sensor_fields(sensor, options.sensor);
+  sensor.finish();
+  reader("from", options.from);
+  reader("to", options.to);
+  reader("rays", options.rays);
+  reader("edges", options.edges);
+  reader("looks", options.looks);
+  reader("chunk", options.chunk);
+  reader("camera", options.shot.camera);
+  reader("motion_tolerance", options.shot.motion_tolerance);
+  reader("lights", options.shot.lights);
+  reader("shading", options.render.shading);
+  reader("max_depth", options.render.max_depth);
+  reader("seed", options.render.seed);
+  reader("threads", options.render.threads);
+  reader("size", size);
+  reader.finish();
+  if (size) {
+    options.shot.width = (*size)[0];
+    options.shot.height = (*size)[1];
+  }
+  options.shot.threads = options.render.threads;
+  if (options.render.shading != ShadingKind::whitted && options.shot.lights == LightChoice::automatic)
+    options.shot.lights = LightChoice::file;  // without light a studio would only be a background
+  auto sink = std::make_unique<Collector>();
+  const Progress progress = progress_of(std::move(callback));
+  EventStats stats;
+  {
+    const py::gil_scoped_release unlocked;
+    stats = record_events(*held.scene, options, *sink, progress);
+  }
+  Writer f;
+  f("on", stats.on);
+  f("off", stats.off);
+  f("leak", stats.leak);
+  f("shot", stats.shot);
+  f("edges", stats.edges);
+  f("steps", stats.steps);
+  f("fastest", stats.fastest);
+  f("rays", stats.rays);
+  f("shading_samples", stats.shading_samples);
+  f("cpu_seconds", stats.cpu_seconds);
+  f.values["notes"] = stats.notes;
+  Event* data = sink->events.data();
+  const size_t count = sink->events.size();
+  const py::capsule owner = keeper(std::move(sink));
+  return py::make_tuple(py::array(event_type(), {count}, {sizeof(Event)}, data, owner),
+                        py::make_tuple(stats.width, stats.height), f.values);
+}
+
+}  // namespace
+
+void bind_events(py::module_& module) {
+  module.def("sensor_preset", &sensor_preset);
+  module.def("events", &events);
+}
+
+}  // namespace kairos::python
