@@ -2,14 +2,15 @@
 
 Usage: docs.py commands|programs|python|options|references PROJECT_ROOT BUILD_DIR COMPILER
 
-commands    every line of a ```sh block runs, in an empty folder that holds the demo scene and the program where the page
-            says they are
+commands    every line of a ```sh block runs, in an empty folder that holds the demo scene and the program where the page says
+            they are; and, where there is numpy, every ```python block without Kairos, on what the others have written
 programs    every ```cpp and ```c block compiles, runs, and prints the ```text block that follows
-python      every ```python block runs in such a folder, with the package of the build, and prints the ```text block that follows
+python      every ```python block that imports kairos runs in such a folder, and prints the ```text block that follows
 options     docs/command-line.md describes every subcommand and option that --help shows, and no other
 references  links between pages lead somewhere, and so do the sections of docs/method.md that source files name
 """
 
+import importlib.util
 import os
 import pathlib
 import re
@@ -64,6 +65,10 @@ def check_commands():
                 pattern = re.sub(r"%\d*d", "*", written)  # a sequence's name
                 check(any(folder.glob(pattern)), f"{page.name}: nobody wrote {written}")
             count += 1
+        for program, _ in blocks(page, "python"):
+            if "import kairos" not in program and importlib.util.find_spec("numpy"):
+                done = run([sys.executable, "-c", program], folder)
+                check(done.returncode == 0, f"{page.name}: status {done.returncode} from\n{program}\n{done.stdout}")
         shutil.rmtree(folder)
     check(count >= 5, f"only {count} blocks of commands")
 
@@ -99,6 +104,8 @@ def check_python():
     for page in pages:
         text = page.read_text()
         for program, end in blocks(page, "python"):
+            if "import kairos" not in program:
+                continue
             expected = re.match(r"(?:\s*prints\s*|\s*)```text\n(.*?)```", text[end:], re.DOTALL)
             folder = workshop()
             done = run([sys.executable, "-W", "error", "-c", program], folder, env=environment)
