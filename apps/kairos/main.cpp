@@ -16,6 +16,7 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "log.h"
+#include "quoted.h"
 
 namespace {
 
@@ -39,17 +40,6 @@ int fail(int status, const std::string& message) {
   std::abort();
 }
 
-// As a shell would read it.
-std::string quoted(const std::string& word) {
-  const bool plain = !word.empty() && word.find_first_not_of(
-                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                          "0123456789_-+=./,:@%") == std::string::npos;
-  if (plain) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
-  return text + "'";
-}
-
 std::string version_text() {
   std::string kernels;
   for (const auto set : kairos::supported_instruction_sets()) kernels += " " + std::string(kairos::to_string(set));
@@ -63,11 +53,13 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   kairos::cli::Action chosen;
   std::string command_line = "kairos";
-  for (int i = 1; i < argc; ++i) command_line += " " + quoted(argv[i]);
+  for (int i = 1; i < argc; ++i) command_line += " " + kairos::cli::quoted(argv[i]);
   kairos::cli::add_render_command(app, chosen, command_line);
   kairos::cli::add_expose_command(app, chosen, command_line);
   kairos::cli::add_flow_command(app, chosen, command_line);
   kairos::cli::add_dataset_command(app, chosen, command_line);
+  kairos::cli::add_merge_command(app, chosen);
+  kairos::cli::add_jobs_command(app, chosen);
   kairos::cli::add_calibrate_command(app, chosen);
   kairos::cli::add_query_command(app, chosen);
   kairos::cli::add_info_command(app, chosen);

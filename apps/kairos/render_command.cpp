@@ -18,6 +18,7 @@
 #include "interrupt.h"
 #include "light_arguments.h"
 #include "log.h"
+#include "parts.h"
 #include "progress_bar.h"
 #include "render_stats.h"
 #include "report.h"
@@ -36,6 +37,7 @@ struct RenderArguments {
   TimeArguments time;
   std::string out, stats_file, command_line;  ///< names of files, or empty: with `frames`, of a sequence's
   std::optional<FrameRange> frames;
+  std::optional<Part> part;  ///< of the job
   ViewArguments view;
   LightArguments light;
   const CLI::App* command = nullptr;
@@ -78,49 +80,83 @@ void render_with_progress(const RenderArguments& arguments, const Shot& shot, co
 struct FrameJob {
   ShotOptions shot;
   std::string out, stats_file;
+  std::optional<Part> part;  ///< of the picture, which `out` is the file of
 };
 
-/// What decides the pixels of a sequence's frames.
+/// What decides the pixels of a job that several runs render.
 std::string mark_of(const RenderArguments& arguments) {
-  if (!arguments.frames && arguments.time.path.empty()) return "";
+  if (!arguments.frames && !arguments.part && arguments.time.path.empty()) return "";
   std::vector<std::string> files = arguments.scene.paths;
   if (arguments.sampling.calibration != kDefaultCalibration) files.push_back(arguments.sampling.calibration);
   if (!arguments.sampling.exposure.map.empty()) files.push_back(arguments.sampling.exposure.map);
   if (arguments.light.environment) files.push_back(arguments.light.environment->path);
   return frame_mark(*arguments.command,
                     {"SCENE", "--output", "--frames", "--stats-file", "--calibration", "--environment",
-                     "--interval-map", "--threads", "--quiet", "--time"},
+                     "--interval-map", "--threads", "--quiet", "--time", "--part"},
                     files);
 }
 
-/// The pictures that are not there yet. Throws Error(bad_input) where there is one of another sequence: frames that
-/// were made in different ways do not belong into one film, and nobody's picture is lost.
-std::vector<FrameJob> jobs_of(const RenderArguments& arguments, const std::string& mark) {
-  if (!arguments.frames) return {{arguments.scene.shot, arguments.out, arguments.stats_file}};
-  const FrameName out("--output", arguments.out);
-  std::vector<FrameJob> jobs;
-  for (int frame = arguments.frames->first; frame <= arguments.frames->last; ++frame) {
-    FrameJob job{arguments.scene.shot, out.at(frame), ""};
-    if (!arguments.stats_file.empty()) job.stats_file = FrameName("--stats-file", arguments.stats_file).at(frame);
-    // Pictures get their name when they are complete: what is there need not be made again, unless a disk lost some of
-    // it.
-    if (std::filesystem::is_regular_file(job.out)) {
-      if (is_damaged_picture(job.out)) {
-        log(arguments, job.out + " is no whole picture: it is made again");
-      } else if (read_frame_mark(job.out) != mark) {
-        throw Error(
-            ErrorCode::bad_input, job.out,
-            "is there, but not of this sequence: scene files, options or kairos were others; remove it, or give "
-            "another name");
-      } else if (job.stats_file.empty() || std::filesystem::is_regular_file(job.stats_file)) {
-        continue;
-      }
-    }
-    job.shot.frame = frame;
-    jobs.push_back(std::move(job));
+/// Pictures get their name when they are complete: what is there need not be made again, unless a disk lost some of it.
+/// Throws Error(bad_input) where there is one of another job: frames that were made in different ways do not belong
+/// into one film, and nobody's picture is lost.
+bool is_there(const RenderArguments& arguments, const FrameJob& job, const std::string& mark) {
+  if (!std::filesystem::is_regular_file(job.out)) return false;
+  if (is_damaged_picture(job.out)) {
+    log(arguments, job.out + " is no whole picture: it is made again");
+    return false;
   }
-  const size_t there = static_cast<size_t>(arguments.frames->count()) - jobs.size();
-  if (there > 0) log(arguments, fmt::format("{} of {} frames are there already", there, arguments.frames->count()));
+  if (read_frame_mark(job.out) != mark)
+    throw Error(
+        ErrorCode::bad_input, job.out,
+        fmt::format("is there, but not of this {}: scene files, options or kairos were others; remove it, or give "
+                    "another name",
+                    arguments.frames ? "sequence" : "picture"));
+  return job.stats_file.empty() || std::filesystem::is_regular_file(job.stats_file);
+}
+
+FrameJob part_of(FrameJob job, Part part) {
+  job.out = part_file(job.out, part);
+  job.part = part;
+  return job;
+}
+
+/// What there is to do: the pictures of a sequence, or the only one. With --part a run of them; and where there are
+/// more parts than pictures, a run of pieces, into which each is divided.
+std::vector<FrameJob> all_jobs(const RenderArguments& arguments) {
+  std::vector<FrameJob> jobs;
+  if (arguments.frames) {
+    const FrameName out("--output", arguments.out);
+    for (int frame = arguments.frames->first; frame <= arguments.frames->last; ++frame) {
+      FrameJob job{arguments.scene.shot, out.at(frame), "", {}};
+      if (!arguments.stats_file.empty()) job.stats_file = FrameName("--stats-file", arguments.stats_file).at(frame);
+      job.shot.frame = frame;
+      jobs.push_back(std::move(job));
+    }
+  } else {
+    jobs.push_back({arguments.scene.shot, arguments.out, arguments.stats_file, {}});
+  }
+  if (!arguments.part) return jobs;
+  const int64_t frames = static_cast<int64_t>(jobs.size()), pieces = (arguments.part->count + frames - 1) / frames;
+  const int64_t units = frames * pieces;
+  std::vector<FrameJob> chosen;
+  for (int64_t unit = units * arguments.part->index / arguments.part->count;
+       unit < units * (arguments.part->index + 1) / arguments.part->count; ++unit) {
+    const FrameJob& job = jobs[static_cast<size_t>(unit / pieces)];
+    const bool whole = pieces == 1 && arguments.frames;  // nothing to merge
+    chosen.push_back(whole ? job : part_of(job, {static_cast<int>(unit % pieces), static_cast<int>(pieces)}));
+  }
+  return chosen;
+}
+
+/// Those that are not done yet.
+std::vector<FrameJob> jobs_of(const RenderArguments& arguments, const std::string& mark) {
+  std::vector<FrameJob> jobs = all_jobs(arguments);
+  if (!arguments.frames && !arguments.part) return jobs;
+  const size_t count = jobs.size();
+  std::erase_if(jobs, [&](const FrameJob& job) { return is_there(arguments, job, mark); });
+  if (jobs.size() < count)
+    log(arguments,
+        fmt::format("{} of {} {} are there already", count - jobs.size(), count, arguments.part ? "parts" : "frames"));
   return jobs;
 }
 
@@ -134,6 +170,8 @@ void render_job(const RenderArguments& arguments, const FrameJob& job, const std
   arguments.light.background.apply(shot);
   RenderParams params = arguments.sampling.params;
   params.exposure = exposed.exposure(shot);
+  if (job.part)
+    params.crop = band_of(params.crop.value_or(Crop{0, shot.projection.width, 0, shot.projection.height}), *job.part);
   timings.shot = reducing.seconds();
   log(arguments, fmt::format("loaded {} meshes, {} triangles in {:.2f} s; {}x{} pixels, shutter {} to {}",
                              shot.meshes.size(), triangle_count(shot.meshes), timings.load + timings.shot,
@@ -174,10 +212,15 @@ void render_job(const RenderArguments& arguments, const FrameJob& job, const std
     Image image = picture->take();
     describe(image, shot, params, stats);
     image.attributes.push_back({"kairos:command_line", arguments.command_line});
-    if (arguments.frames) image.attributes.push_back({kFrameMarkName, mark});
     WriteOptions write = arguments.write;
     write.view = arguments.view.choice.value_or(usual_view(shot, arguments.sampling.params.shading));
     write.exposure = arguments.view.exposure;
+    if (job.part) {
+      describe_part(image, *job.part, arguments.frames ? static_cast<int>(*job.shot.frame) : -1, mark, write);
+      write.half = write.half && arguments.out.ends_with(".exr");
+    } else if (arguments.frames) {
+      image.attributes.push_back({kFrameMarkName, mark});
+    }
     write_interruptibly(image, job.out, write);
   }
   timings.write = writing.seconds();
@@ -191,6 +234,7 @@ void run_render(RenderArguments& arguments) {
   const std::string mark = mark_of(arguments);
   const std::vector<FrameJob> jobs = jobs_of(arguments, mark);
   for (const FrameJob& job : jobs) {
+    if (job.part) make_parts_folder(job.out);
     if (!job.out.empty()) check_writable_image(job.out);
     if (!job.stats_file.empty()) check_writable(job.stats_file);
   }
@@ -269,6 +313,13 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
       ->type_name("A-B")
       ->excludes("--frame")
       ->excludes("--time");
+  command
+      .add_option_function<std::string>(
+          "--part", [arguments](const std::string& text) { arguments->part = parse_part("--part", text); },
+          "Render part I of N of the job, to be merged (kairos merge); of a Slurm array, the task's part")
+      ->type_name("I/N|slurm")
+      ->excludes("--time")
+      ->excludes("--stats-file");
   command.add_flag("--quiet", arguments->quiet, "No log and no progress, errors only");
   command.callback([arguments, &chosen, &command] {
     choose_integrator(command, arguments->sampling.params);

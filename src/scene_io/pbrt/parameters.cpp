@@ -98,8 +98,8 @@ double Parameters::number(std::string_view name, double otherwise) const {
 
 int64_t Parameters::integer(std::string_view name, int64_t otherwise) const {
   const double value = number(name, static_cast<double>(otherwise));
-  constexpr double kLargest = 9007199254740992;  // every integer up to here is a double
-  if (value != std::floor(value) || std::abs(value) > kLargest)
+  constexpr double kLargestWhole = 9007199254740992;  // every integer up to here is a double
+  if (value != std::floor(value) || std::abs(value) > kLargestWhole)
     fail(place(*find(name)), "'" + printable(name) + "' needs an integer");
   return static_cast<int64_t>(value);
 }

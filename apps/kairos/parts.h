@@ -1,0 +1,49 @@
+// Parts of a job: what one of many machines renders of a frame, and the files that hold it until they are merged.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <kairos/image.h>
+#include <kairos/render.h>
+
+namespace kairos::cli {
+
+struct Part {
+  int index = 0, count = 1;  ///< 0 <= index < count
+};
+
+/// "I/N" with I from 1 to N, at most 65536; or "slurm": what the environment of a Slurm array says of the task that
+/// this is. Throws CLI::ValidationError that names the option.
+Part parse_part(const std::string& option, std::string_view text);
+
+/// "I/N"
+std::string part_text(Part part);
+
+/// The rows of `whole` that a part has: as many as every other one, or one more. Throws Error(bad_usage) where there
+/// are fewer rows than parts.
+Crop band_of(const Crop& whole, Part part);
+
+/// The folder that holds the parts of the picture `out`, and the file of one of them. Parts are EXR, whatever `out` is.
+std::string parts_folder(const std::string& out);
+std::string part_file(const std::string& out, Part part);
+
+/// Makes the folder of a part's file. Throws Error(io).
+void make_parts_folder(const std::string& part_file);
+
+/// Says in the part's header what it is part of: which one, of which frame (-1 where the command renders no sequence),
+/// made how (frame_mark.h), and to be written how.
+void describe_part(Image& image, Part part, int frame, const std::string& mark, const WriteOptions& write);
+
+struct MergedPicture {
+  Image image;
+  WriteOptions write;              ///< as its parts were told
+  std::vector<std::string> parts;  ///< names of their files
+};
+
+/// The picture `out` from the files of its parts. Pixels are copied, nothing is added. Throws Error(bad_input) where
+/// one is missing, damaged, or of another job: with the parts' numbers, and what to do.
+MergedPicture merge_parts(const std::string& out);
+
+}  // namespace kairos::cli

@@ -1,0 +1,157 @@
+// What several machines render of one job: kairos render --part, kairos merge, kairos jobs.
+#include <cmath>
+#include <random>
+
+#include <kairos/image.h>
+
+#include "cli.h"
+#include "seed.h"
+
+namespace kairos {
+namespace {
+
+class CliParts : public CliTest {
+ protected:
+  static constexpr const char* kShot = "render scene.json --quiet --fps 8 --tc-rays 2 --spp 4 ";
+
+  /// The same pixels, and the same headers but for how long it took and the command line.
+  void expect_same(const std::string& merged, const std::string& whole) const {
+    const Image a = read_image(path(merged)), b = read_image(path(whole));
+    ASSERT_EQ(a.channels.size(), b.channels.size());
+    for (size_t c = 0; c < a.channels.size(); ++c) {
+      EXPECT_EQ(a.channels[c].name, b.channels[c].name);
+      EXPECT_EQ(a.channels[c].values, b.channels[c].values) << merged << " " << a.channels[c].name;
+    }
+    EXPECT_EQ(std::tie(a.left, a.top, a.width, a.height), std::tie(b.left, b.top, b.width, b.height));
+    const auto names = [](const Image& image) {
+      std::vector<std::string> result;
+      for (const Attribute& attribute : image.attributes)
+        if (attribute.name != "kairos:frame_mark") result.push_back(attribute.name);
+      return result;
+    };
+    EXPECT_EQ(names(a), names(b)) << merged;
+  }
+  void expect_refused(const std::string& arguments, const std::vector<std::string>& words) const {
+    const CliResult result = run(arguments);
+    EXPECT_EQ(result.status, 1) << arguments;
+    EXPECT_TRUE(result.one_line_error()) << result.err;
+    for (const std::string& word : words) EXPECT_NE(result.err.find(word), std::string::npos) << result.err;
+  }
+};
+
+TEST_F(CliParts, MakeThePictureThatOneMachineMakes) {
+  std::mt19937 random(test::seed());
+  const auto one_of = [&](std::vector<std::string> choices) { return choices[random() % choices.size()]; };
+  for (const std::string integrator : {"tc", "qmc", "mixed", "auto"}) {
+    const bool exr = integrator == "tc" || integrator == "mixed";
+    const std::string ending = exr ? ".exr" : ".png";
+    std::string options = "--integrator " + integrator + " --filter " + one_of({"box", "gaussian", "blackman-harris"}) +
+                          one_of({"", " --crop 3,30,2,19"});
+    options += exr ? " --aov depth,mesh" + one_of({"", " --half"}) : " --view filmic --exposure 3";
+    const int count = 1 + static_cast<int>(random() % 7);
+    SCOPED_TRACE(options + " " + std::to_string(count) + " parts" + ending);
+    ASSERT_EQ(run(kShot + options + " -o whole" + ending).status, 0);
+    for (int i = count; i > 0; --i)
+      ASSERT_EQ(run(kShot + options + " -o a" + ending + " --part " + std::to_string(i) + "/" + std::to_string(count) +
+                    " --threads " + one_of({"1", "3"}))
+                    .status,
+                0);
+    const CliResult merged = run("merge a" + ending + " --clean");
+    ASSERT_EQ(merged.status, 0) << merged.err;
+    expect_same("a" + ending, "whole" + ending);
+    EXPECT_FALSE(exists("a" + ending + ".parts"));
+  }
+}
+
+TEST_F(CliParts, OfSequencesAreFramesOrPiecesOfThem) {
+  ASSERT_EQ(run(std::string(kShot) + "-o whole%d.exr --frames 0-2").status, 0);
+  for (const int count : {2, 3, 5}) {  // of 5, each frame is two pieces
+    for (int i = 1; i <= count; ++i)
+      ASSERT_EQ(
+          run(std::string(kShot) + "-o p%d.exr --frames 0-2 --part " + std::to_string(i) + "/" + std::to_string(count))
+              .status,
+          0);
+    EXPECT_EQ(exists("p0.exr.parts"), count == 5);
+    if (count == 5) {
+      ASSERT_EQ(run("merge p%d.exr --frames 0-2 --clean").status, 0);
+    }
+    for (const std::string frame : {"0", "1", "2"}) expect_same("p" + frame + ".exr", "whole" + frame + ".exr");
+    // Whoever goes on with the sequence, in parts or not, finds them.
+    const CliResult again = run("render scene.json --fps 8 --tc-rays 2 --spp 4 -o p%d.exr --frames 0-2");
+    EXPECT_NE(again.err.find("3 of 3 frames are there already"), std::string::npos) << again.err;
+    for (const std::string frame : {"0", "1", "2"}) std::filesystem::remove(path("p" + frame + ".exr"));
+  }
+}
+
+TEST_F(CliParts, AreMergedWhenAllAreThereOnceAndOfOneJob) {
+  const auto render = [&](const std::string& part, const std::string& more = "") {
+    ASSERT_EQ(run(std::string(kShot) + "-o a.exr --part " + part + more).status, 0);
+  };
+  expect_refused("merge a.exr", {"a.exr.parts", "holds no parts"});
+  render("2/3");
+  expect_refused("merge a.exr", {"a.exr: 2 of 3 parts are not there: 1, 3"});
+  render("1/3");
+  const std::string first = path("a.exr.parts/00001-of-00003.exr"), third = path("a.exr.parts/00003-of-00003.exr");
+  // Rendered again only where it is damaged.
+  const auto written = std::filesystem::last_write_time(first);
+  render("1/3");
+  EXPECT_EQ(std::filesystem::last_write_time(first), written);
+  std::filesystem::resize_file(first, std::filesystem::file_size(first) - 30);
+  render("3/3");
+  expect_refused("merge a.exr", {"00001-of-00003.exr", "no whole picture"});
+  render("1/3");
+  // Of another job; a part twice; what is no part at all.
+  const std::string kept = read(third);
+  std::filesystem::remove(third);
+  render("3/3", " --seed 7");
+  expect_refused("merge a.exr", {"00003-of-00003.exr", "of another job than", "00001-of-00003.exr"});
+  expect_refused(std::string(kShot) + "-o a.exr --part 3/3", {"00003-of-00003.exr", "not of this picture"});
+  write("a.exr.parts/00003-of-00003.exr", kept);
+  write("a.exr.parts/copy.exr", kept);
+  expect_refused("merge a.exr", {"copy.exr", "the same part as"});
+  ASSERT_EQ(run(std::string(kShot) + "-o a.exr.parts/copy.exr").status, 0);
+  expect_refused("merge a.exr", {"copy.exr", "is no part of a picture"});
+  std::filesystem::remove(path("a.exr.parts/copy.exr"));
+  ASSERT_EQ(run("merge a.exr --quiet").status, 0);
+  EXPECT_TRUE(exists("a.exr") && exists("a.exr.parts/00001-of-00003.exr"));
+
+  for (const std::string part : {"0/3", "4/3", "1", "1/0", "x/3", "1/3/2", "1/100000", "slurm"}) {
+    const CliResult result = run(std::string(kShot) + "-o b.exr --part " + part);
+    EXPECT_EQ(result.status, 2) << part;
+    EXPECT_TRUE(result.one_line_error()) << result.err;
+  }
+  EXPECT_EQ(run(std::string(kShot) + "-o b.exr --part 1/21").status, 2) << "of 20 rows";
+}
+
+// A scheduler stands in for Slurm: it runs each task of the array, and then what depends on it.
+TEST_F(CliParts, AreWhatTheScriptForSlurmSubmits) {
+  write("sbatch", R"(#!/bin/sh
+cat > script
+for argument; do case $argument in --array=1-*) count=${argument#--array=1-};; esac; done
+case "$*" in *afterok:17*) sh script >&2; echo 18; exit;; esac
+for task in $(seq "$count"); do
+  SLURM_ARRAY_TASK_MIN=1 SLURM_ARRAY_TASK_ID=$task SLURM_ARRAY_TASK_COUNT=$count sh script >&2 || exit 1
+done
+echo 17
+)");
+  std::filesystem::permissions(path("sbatch"), std::filesystem::perms::owner_all);
+  const std::string options = "scene.json -o 'a b.exr' --quiet --tc-rays 2";
+  ASSERT_EQ(run("render scene.json -o whole.exr --quiet --tc-rays 2").status, 0);
+  const CliResult script = run("jobs slurm " + options + " --parts 3");
+  ASSERT_EQ(script.status, 0) << script.err;
+  write("submit.sh",
+        "PATH=" + std::filesystem::path(KAIROS_CLI).parent_path().string() + ":.:$PATH\nexport PATH\n" + script.out);
+  ASSERT_EQ(std::system(("cd '" + folder_.string() + "' && sh submit.sh > log 2>&1").c_str()), 0) << read(path("log"));
+  expect_same("a b.exr", "whole.exr");
+  EXPECT_NE(read(path("log")).find("wrote a b.exr from 3 parts"), std::string::npos);
+
+  const CliResult job = run("jobs openjd " + options + " --parts 3");
+  for (const std::string text : {"range: \"1-3\"", "- \"a b.exr\"", "{{Task.Param.Part}}/3", "dependsOn: Render"})
+    EXPECT_NE(job.out.find(text), std::string::npos) << job.out;
+  EXPECT_EQ(run("jobs slurm scene.json --parts 3").status, 2) << "writes nothing";
+  EXPECT_EQ(run("jobs slurm " + options + " --parts 3 --part 1/2").status, 2);
+  EXPECT_EQ(run("jobs make " + options + " --parts 3").status, 2);
+}
+
+}  // namespace
+}  // namespace kairos
