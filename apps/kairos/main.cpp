@@ -1,5 +1,5 @@
-// The command line: kairos render|expose|calibrate|query|info|compare|check|events|study|completion. Exit status 0 on
-// success, 1 on bad input or a failed render, 2 on bad usage.
+// The command line: its subcommands are those of commands.h. Exit status 0 on success, 1 on bad input or a failed
+// render, 2 on bad usage.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
