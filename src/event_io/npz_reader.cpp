@@ -15,7 +15,7 @@ namespace kairos {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& place, const std::string& why) {
+[[noreturn]] void refuse_archive(const std::string& place, const std::string& why) {
   throw Error(ErrorCode::bad_input, place, why);
 }
 
@@ -27,36 +27,36 @@ std::map<std::string, std::span<const uint8_t>> members_of(const std::string& pa
   const auto word = [&](uint64_t at) { return read_little<uint32_t>(&bytes[at]); };
   const auto half = [&](uint64_t at) { return read_little<uint16_t>(&bytes[at]); };
   const auto is = [&](uint64_t at, uint64_t size, uint32_t magic) { return there(at, size) && word(at) == magic; };
-  if (bytes.size() < kEnd) refuse(path, "is no numpy archive");
+  if (bytes.size() < kEnd) refuse_archive(path, "is no numpy archive");
   uint64_t end = bytes.size() - kEnd;
   for (size_t tries = 0; word(end) != 0x06054b50; --end)
-    if (end == 0 || ++tries > kMostComment) refuse(path, "is no numpy archive, or not all of one");
+    if (end == 0 || ++tries > kMostComment) refuse_archive(path, "is no numpy archive, or not all of one");
   uint64_t count = half(end + 10), at = word(end + 16);
   if (end >= kLocator && is(end - kLocator, kLocator, 0x07064b50)) {
     const auto end64 = read_little<uint64_t>(&bytes[end - kLocator + 8]);
-    if (!is(end64, kEnd64, 0x06064b50)) refuse(path, "is an archive with a broken end");
+    if (!is(end64, kEnd64, 0x06064b50)) refuse_archive(path, "is an archive with a broken end");
     count = read_little<uint64_t>(&bytes[end64 + 32]);
     at = read_little<uint64_t>(&bytes[end64 + 48]);
   }
   std::map<std::string, std::span<const uint8_t>> members;
   for (uint64_t i = 0; i < count; ++i) {
-    if (!is(at, kEntry, 0x02014b50)) refuse(path, "is an archive with a broken directory");
+    if (!is(at, kEntry, 0x02014b50)) refuse_archive(path, "is an archive with a broken directory");
     const uint64_t name_size = half(at + 28), extra_size = half(at + 30), comment_size = half(at + 32);
     if (!there(at + kEntry, name_size + extra_size + comment_size))
-      refuse(path, "is an archive with a broken directory");
+      refuse_archive(path, "is an archive with a broken directory");
     const auto place = [&path](const std::string& member) { return std::string(path).append(": ").append(member); };
     const std::string name(reinterpret_cast<const char*>(&bytes[at]) + kEntry, name_size);
-    if (half(at + 10) != 0) refuse(place(name), "is compressed; save it with numpy.savez");
+    if (half(at + 10) != 0) refuse_archive(place(name), "is compressed; save it with numpy.savez");
     uint64_t size = word(at + 24), offset = word(at + 42);
     const bool long_size = size == kSaturated, long_packed = word(at + 20) == kSaturated,
                long_offset = offset == kSaturated;
     for (uint64_t extra = at + kEntry + name_size, last = extra + extra_size; last - extra >= 4;) {
       const uint64_t length = half(extra + 2);
-      if (length > last - extra - 4) refuse(path, "is an archive with a broken directory");
+      if (length > last - extra - 4) refuse_archive(path, "is an archive with a broken directory");
       if (half(extra) == 1) {
         uint64_t field = extra + 4;
         const auto next = [&](uint64_t& value) {
-          if (extra + 4 + length - field < 8) refuse(path, "is an archive with a broken directory");
+          if (extra + 4 + length - field < 8) refuse_archive(path, "is an archive with a broken directory");
           value = read_little<uint64_t>(&bytes[field]);
           field += 8;
         };
@@ -67,9 +67,9 @@ std::map<std::string, std::span<const uint8_t>> members_of(const std::string& pa
       }
       extra += 4 + length;
     }
-    if (!is(offset, kLocal, 0x04034b50)) refuse(place(name), "lies beyond the archive's end");
+    if (!is(offset, kLocal, 0x04034b50)) refuse_archive(place(name), "lies beyond the archive's end");
     const uint64_t data = offset + kLocal + half(offset + 26) + half(offset + 28);
-    if (!there(data, size)) refuse(place(name), "lies beyond the archive's end");
+    if (!there(data, size)) refuse_archive(place(name), "lies beyond the archive's end");
     members[name] = bytes.subspan(data, size);
     at += kEntry + name_size + extra_size + comment_size;
   }
@@ -81,7 +81,7 @@ class Numbers {
  public:
   Numbers(const std::string& place, std::span<const uint8_t> bytes) : array_(parse_npy(place, bytes)) {
     size_ = npy_item_size(array_.descr);
-    if (size_ == 0 || size_ > 8) refuse(place, "holds numbers of a kind that events have not: " + array_.descr);
+    if (size_ == 0 || size_ > 8) refuse_archive(place, "holds numbers of a kind that events have not: " + array_.descr);
     kind_ = array_.descr[2];
   }
 
@@ -130,7 +130,7 @@ EventKind kind_of(const std::optional<Numbers>& kinds, uint64_t index) {
 void add_checked(EventBlock& block, const std::string& place, uint64_t index, int64_t nanoseconds, int64_t x, int64_t y,
                  int64_t polarity, EventKind kind) {
   if (nanoseconds < 0 || x < 0 || y < 0 || x > 0xffff || y > 0xffff || polarity < -1 || polarity > 1)
-    refuse(place, "event " + std::to_string(index) + " has a time, a place or a polarity that no event has");
+    refuse_archive(place, "event " + std::to_string(index) + " has a time, a place or a polarity that no event has");
   block.add(nanoseconds, static_cast<uint64_t>(x), static_cast<uint64_t>(y), polarity > 0, kind);
 }
 
@@ -144,12 +144,12 @@ EventFileFacts read_npz(const std::string& path, std::span<const uint8_t> bytes,
     return Numbers(path + ": " + name, at->second);
   };
   const auto t = find("t"), x = find("x"), y = find("y"), p = find("p");
-  if (!t || !x || !y || !p) refuse(path, "is no archive of events: it lacks one of the arrays t, x, y and p");
+  if (!t || !x || !y || !p) refuse_archive(path, "is no archive of events: it lacks one of the arrays t, x, y and p");
   if (x->count() != t->count() || y->count() != t->count() || p->count() != t->count())
-    refuse(path, "has arrays t, x, y and p of different lengths");
+    refuse_archive(path, "has arrays t, x, y and p of different lengths");
   const auto tick = find("ns_per_tick"), resolution = find("resolution"), kind = find("kind");
   const int64_t ns_per_tick = tick && tick->count() == 1 ? tick->whole(0) : 1000;
-  if (ns_per_tick < 1 || ns_per_tick > 1000000000) refuse(path + ": ns_per_tick", "is no unit of time");
+  if (ns_per_tick < 1 || ns_per_tick > 1000000000) refuse_archive(path + ": ns_per_tick", "is no unit of time");
   EventFileFacts facts{"npz", 0, 0};
   if (resolution && resolution->count() == 2) {
     facts.width = static_cast<int>(std::clamp<int64_t>(resolution->whole(0), 0, 65535));
@@ -166,7 +166,7 @@ EventFileFacts read_npz(const std::string& path, std::span<const uint8_t> bytes,
 
 EventFileFacts read_npy(const std::string& path, std::span<const uint8_t> bytes, EventSink& sink) {
   const NpyArray array = parse_npy(path, bytes);
-  if (array.descr != kNpyEvents) refuse(path, "is no array of events (x, y, p, t of 16 bytes)");
+  if (array.descr != kNpyEvents) refuse_archive(path, "is no array of events (x, y, p, t of 16 bytes)");
   EventBlock block(sink);
   for (uint64_t i = 0; i < array.count; ++i) {
     const uint8_t* at = &array.data[16 * i];
