@@ -146,6 +146,7 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--camera", "0"},
                                                        {"--frame", "0"},
                                                        {"--frames", "0-1"},
+                                                       {"--part", "1/2"},
                                                        {"--fps", "24"},
                                                        {"--shutter", "-0.25,0.25"},
                                                        {"--rolling", "top:20ms"},
