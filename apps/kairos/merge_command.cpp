@@ -1,5 +1,4 @@
 // kairos merge: parts of a picture in, the picture out.
-#include <filesystem>
 #include <memory>
 
 #include <kairos/image.h>
@@ -25,10 +24,7 @@ void merge(const MergeArguments& arguments, const std::string& out) {
   const MergedPicture merged = merge_parts(out);
   write_interruptibly(merged.image, out, merged.write);
   if (!arguments.quiet) log(fmt::format("wrote {} from {} parts", out, merged.parts.size()));
-  if (!arguments.clean) return;
-  std::error_code ignored;  // the picture is there; what cannot be removed does no harm
-  for (const std::string& part : merged.parts) std::filesystem::remove(part, ignored);
-  std::filesystem::remove(parts_folder(out), ignored);  // where nothing else is in it
+  if (arguments.clean) remove_parts(merged, out);
 }
 
 void run_merge(const MergeArguments& arguments) {

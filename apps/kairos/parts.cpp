@@ -166,6 +166,20 @@ void describe_part(Image& image, Part part, int frame, const std::string& mark, 
   image.attributes.push_back({kPartExposureName, write.exposure});
 }
 
+WriteOptions part_options(const std::string& out, const WriteOptions& of_picture) {
+  WriteOptions write;
+  write.half = of_picture.half && out.ends_with(".exr");
+  return write;
+}
+
+bool is_part_there(const std::string& path, const std::string& mark) {
+  if (!std::filesystem::is_regular_file(path) || is_damaged_picture(path)) return false;
+  if (read_frame_mark(path) == mark) return true;
+  throw Error(
+      ErrorCode::bad_input, path,
+      "is there, but made otherwise: scene files, options or kairos were others; remove it, or give another name");
+}
+
 MergedPicture merge_parts(const std::string& out) {
   std::vector<PartImage> parts = read_parts(out);
   check_parts(parts, out);
@@ -200,6 +214,12 @@ MergedPicture merge_parts(const std::string& out) {
   });
   image.attributes.push_back({kSecondsName, seconds});
   return merged;
+}
+
+void remove_parts(const MergedPicture& merged, const std::string& out) {
+  std::error_code ignored;  // the picture is there; what cannot be removed does no harm
+  for (const std::string& part : merged.parts) std::filesystem::remove(part, ignored);
+  std::filesystem::remove(parts_folder(out), ignored);
 }
 
 }  // namespace kairos::cli

@@ -36,6 +36,13 @@ void make_parts_folder(const std::string& part_file);
 /// made how (frame_mark.h), and to be written how.
 void describe_part(Image& image, Part part, int frame, const std::string& mark, const WriteOptions& write);
 
+/// How a part of a picture is written: in the same number of bits.
+WriteOptions part_options(const std::string& out, const WriteOptions& of_picture);
+
+/// Is a part, or a frame of a sequence, that was made as `mark` says there, and whole? Throws Error(bad_input) where
+/// there is one with another mark: nobody's picture is lost.
+bool is_part_there(const std::string& path, const std::string& mark);
+
 struct MergedPicture {
   Image image;
   WriteOptions write;              ///< as its parts were told
@@ -45,5 +52,8 @@ struct MergedPicture {
 /// The picture `out` from the files of its parts. Pixels are copied, nothing is added. Throws Error(bad_input) where
 /// one is missing, damaged, or of another job: with the parts' numbers, and what to do.
 MergedPicture merge_parts(const std::string& out);
+
+/// Removes the files of the parts, and their folder where nothing else is in it.
+void remove_parts(const MergedPicture& merged, const std::string& out);
 
 }  // namespace kairos::cli

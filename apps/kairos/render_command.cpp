@@ -12,6 +12,7 @@
 #include <kairos/time_file.h>
 
 #include "arguments.h"
+#include "checkpoint.h"
 #include "commands.h"
 #include "frame_mark.h"
 #include "frames.h"
@@ -37,7 +38,8 @@ struct RenderArguments {
   TimeArguments time;
   std::string out, stats_file, command_line;  ///< names of files, or empty: with `frames`, of a sequence's
   std::optional<FrameRange> frames;
-  std::optional<Part> part;  ///< of the job
+  std::optional<Part> part;          ///< of the job
+  std::optional<double> checkpoint;  ///< seconds
   ViewArguments view;
   LightArguments light;
   const CLI::App* command = nullptr;
@@ -55,19 +57,19 @@ uint64_t total_rays(const RenderParams& params, const Shot& shot) {
          static_cast<uint64_t>(per_pixel);
 }
 
-void render_with_progress(const RenderArguments& arguments, const Shot& shot, const RenderParams& params,
-                          std::span<PixelConsumer* const> consumers, RenderStats& stats) {
+/// work: what renders, and tells how far it is.
+void with_progress(const RenderArguments& arguments, uint64_t rays, const std::function<void(const Progress&)>& work) {
   std::unique_ptr<ProgressBar> bar;
   bool polling = false;
   const auto progress = [&](double fraction) {
     if (!polling) begin_polling();  // rendering has begun: before, a signal ends the program at once
     polling = true;
-    if (!bar && !arguments.quiet) bar = std::make_unique<ProgressBar>(static_cast<double>(total_rays(params, shot)));
+    if (!bar && !arguments.quiet) bar = std::make_unique<ProgressBar>(static_cast<double>(rays));
     if (bar) bar->update(fraction);
     return !interrupted();
   };
   try {
-    Renderer(shot).render(params, consumers, &stats, progress);
+    work(progress);
     end_polling();
     if (!interrupted()) return;
   } catch (const Error& e) {
@@ -85,33 +87,24 @@ struct FrameJob {
 
 /// What decides the pixels of a job that several runs render.
 std::string mark_of(const RenderArguments& arguments) {
-  if (!arguments.frames && !arguments.part && arguments.time.path.empty()) return "";
+  const bool several = arguments.frames || arguments.part || arguments.checkpoint || !arguments.time.path.empty();
+  if (!several) return "";
   std::vector<std::string> files = arguments.scene.paths;
   if (arguments.sampling.calibration != kDefaultCalibration) files.push_back(arguments.sampling.calibration);
   if (!arguments.sampling.exposure.map.empty()) files.push_back(arguments.sampling.exposure.map);
   if (arguments.light.environment) files.push_back(arguments.light.environment->path);
   return frame_mark(*arguments.command,
                     {"SCENE", "--output", "--frames", "--stats-file", "--calibration", "--environment",
-                     "--interval-map", "--threads", "--quiet", "--time", "--part"},
+                     "--interval-map", "--threads", "--quiet", "--time", "--part", "--checkpoint"},
                     files);
 }
 
 /// Pictures get their name when they are complete: what is there need not be made again, unless a disk lost some of it.
-/// Throws Error(bad_input) where there is one of another job: frames that were made in different ways do not belong
-/// into one film, and nobody's picture is lost.
 bool is_there(const RenderArguments& arguments, const FrameJob& job, const std::string& mark) {
-  if (!std::filesystem::is_regular_file(job.out)) return false;
-  if (is_damaged_picture(job.out)) {
+  const bool found = is_part_there(job.out, mark);
+  if (!found && std::filesystem::is_regular_file(job.out))
     log(arguments, job.out + " is no whole picture: it is made again");
-    return false;
-  }
-  if (read_frame_mark(job.out) != mark)
-    throw Error(
-        ErrorCode::bad_input, job.out,
-        fmt::format("is there, but not of this {}: scene files, options or kairos were others; remove it, or give "
-                    "another name",
-                    arguments.frames ? "sequence" : "picture"));
-  return job.stats_file.empty() || std::filesystem::is_regular_file(job.stats_file);
+  return found && (job.stats_file.empty() || std::filesystem::is_regular_file(job.stats_file));
 }
 
 FrameJob part_of(FrameJob job, Part part) {
@@ -180,6 +173,21 @@ void render_job(const RenderArguments& arguments, const FrameJob& job, const std
   for (const std::string& note : shot.notes)
     if (told.insert(note).second) log(arguments, "note: " + note);
 
+  WriteOptions write = arguments.write;
+  write.view = arguments.view.choice.value_or(usual_view(shot, arguments.sampling.params.shading));
+  write.exposure = arguments.view.exposure;
+  const int frame = arguments.frames ? static_cast<int>(*job.shot.frame) : -1;
+  if (arguments.checkpoint) {
+    MergedPicture merged;
+    with_progress(arguments, total_rays(params, shot), [&](const Progress& progress) {
+      merged = render_with_checkpoints(
+          {shot, params, job.out, mark, arguments.command_line, frame, write, *arguments.checkpoint}, progress);
+    });
+    write_interruptibly(merged.image, job.out, write);
+    remove_parts(merged, job.out);
+    return;
+  }
+
   RenderStats stats;
   std::optional<Picture> picture;
   std::optional<TimeFileWriter> time;
@@ -195,7 +203,8 @@ void render_job(const RenderArguments& arguments, const FrameJob& job, const std
       log(arguments, fmt::format("{} of {} tiles are in '{}.part' already", time->tiles_before(), time->tiles(),
                                  arguments.time.path));
   }
-  render_with_progress(arguments, shot, of_rays, consumers, stats);
+  with_progress(arguments, total_rays(params, shot),
+                [&](const Progress& progress) { Renderer(shot).render(of_rays, consumers, &stats, progress); });
   log(arguments,
       fmt::format("built in {:.2f} s, rendered {} rays in {:.2f} s ({}rays/s) on {} threads, {}", stats.build_seconds,
                   stats.rays, stats.render_seconds, with_unit(static_cast<double>(stats.rays) / stats.render_seconds),
@@ -212,16 +221,11 @@ void render_job(const RenderArguments& arguments, const FrameJob& job, const std
     Image image = picture->take();
     describe(image, shot, params, stats);
     image.attributes.push_back({"kairos:command_line", arguments.command_line});
-    WriteOptions write = arguments.write;
-    write.view = arguments.view.choice.value_or(usual_view(shot, arguments.sampling.params.shading));
-    write.exposure = arguments.view.exposure;
-    if (job.part) {
-      describe_part(image, *job.part, arguments.frames ? static_cast<int>(*job.shot.frame) : -1, mark, write);
-      write.half = write.half && arguments.out.ends_with(".exr");
-    } else if (arguments.frames) {
+    if (job.part)
+      describe_part(image, *job.part, frame, mark, write);
+    else if (arguments.frames)
       image.attributes.push_back({kFrameMarkName, mark});
-    }
-    write_interruptibly(image, job.out, write);
+    write_interruptibly(image, job.out, job.part ? part_options(arguments.out, write) : write);
   }
   timings.write = writing.seconds();
   if (!job.stats_file.empty()) {
@@ -320,6 +324,14 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
       ->type_name("I/N|slurm")
       ->excludes("--time")
       ->excludes("--stats-file");
+  add_real(
+      command, "--checkpoint",
+      "Write what is done every so many seconds, beside the picture; the same command goes on where it was stopped",
+      "SECONDS", [arguments](double seconds) {
+        if (seconds < 0) throw CLI::ValidationError("--checkpoint", "give 0 or more seconds");
+        arguments->checkpoint = seconds;
+      });
+  for (const char* other : {"--part", "--time", "--stats-file"}) command.get_option("--checkpoint")->excludes(other);
   command.add_flag("--quiet", arguments->quiet, "No log and no progress, errors only");
   command.callback([arguments, &chosen, &command] {
     choose_integrator(command, arguments->sampling.params);

@@ -56,7 +56,7 @@ TEST_F(CliFrames, PicturesOfAnotherSequenceAreNeitherKeptNorWrittenOver) {
       const CliResult result = run(command + how);
       EXPECT_EQ(result.status, 1) << how;
       EXPECT_TRUE(result.one_line_error()) << result.err;
-      EXPECT_NE(result.err.find(first + ": is there, but not of this sequence"), std::string::npos) << result.err;
+      EXPECT_NE(result.err.find(first + ": is there, but made otherwise"), std::string::npos) << result.err;
     };
     refused(" --tc-rays 2");
     refused(" --tc-rays 1 --shading flat");

@@ -1,6 +1,8 @@
 // What several machines render of one job: kairos render --part, kairos merge, kairos jobs.
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <span>
 
 #include <kairos/image.h>
 
@@ -105,7 +107,7 @@ TEST_F(CliParts, AreMergedWhenAllAreThereOnceAndOfOneJob) {
   std::filesystem::remove(third);
   render("3/3", " --seed 7");
   expect_refused("merge a.exr", {"00003-of-00003.exr", "of another job than", "00001-of-00003.exr"});
-  expect_refused(std::string(kShot) + "-o a.exr --part 3/3", {"00003-of-00003.exr", "not of this picture"});
+  expect_refused(std::string(kShot) + "-o a.exr --part 3/3", {"00003-of-00003.exr", "made otherwise"});
   write("a.exr.parts/00003-of-00003.exr", kept);
   write("a.exr.parts/copy.exr", kept);
   expect_refused("merge a.exr", {"copy.exr", "the same part as"});
@@ -121,6 +123,42 @@ TEST_F(CliParts, AreMergedWhenAllAreThereOnceAndOfOneJob) {
     EXPECT_TRUE(result.one_line_error()) << result.err;
   }
   EXPECT_EQ(run(std::string(kShot) + "-o b.exr --part 1/21").status, 2) << "of 20 rows";
+}
+
+TEST_F(CliParts, OfAPictureThatWasKilledAreNotRenderedAgain) {
+  std::mt19937 random(test::seed());
+  const std::string shot =
+      "render scene.json --quiet --tc-rays 4 --shading normal --size 96x160 --seed " + std::to_string(random() % 100);
+  ASSERT_EQ(run(shot + " -o whole.exr").status, 0);
+  for (int i = 0; i < 20; ++i) {
+    const std::string seconds = "0.0" + std::to_string(20 + random() % 80);
+    run(shot + " -o a.exr --checkpoint 0", "timeout -s KILL " + seconds + " ");
+  }
+  const CliResult result = run(shot + " -o a.exr --checkpoint 0");
+  ASSERT_EQ(result.status, 0) << result.err;
+  expect_same("a.exr", "whole.exr");
+  EXPECT_FALSE(exists("a.exr.parts"));
+
+  // What is there is taken as it is.
+  ASSERT_EQ(run(shot + " -o b.exr --part 3/10").status, 0);
+  const std::string part = path("b.exr.parts/00003-of-00010.exr");
+  Image image = read_image(part);
+  for (float& value : image.channels[0].values) value = 7;
+  write_image(image, part);
+  ASSERT_EQ(run(shot + " -o b.exr --checkpoint 1000").status, 0);
+  const Image whole = read_image(path("whole.exr")), merged = read_image(path("b.exr"));
+  const auto row = [](const Image& of, int y) {
+    return std::span(of.channels[0].values).subspan(static_cast<size_t>(y) * 96, 96);
+  };
+  for (int y = 0; y < 160; ++y)
+    EXPECT_TRUE(std::ranges::equal(
+        row(merged, y),
+        y / 16 == 2 ? std::vector<float>(96, 7) : std::vector<float>(row(whole, y).begin(), row(whole, y).end())))
+        << y;
+
+  ASSERT_EQ(run(shot + " -o c.exr --part 1/2").status, 0);
+  expect_refused(shot + " -o c.exr --checkpoint 1", {"00001-of-00002.exr", "is no part of this picture"});
+  EXPECT_EQ(run(shot + " -o c.exr --checkpoint -1").status, 2);
 }
 
 // A scheduler stands in for Slurm: it runs each task of the array, and then what depends on it.
