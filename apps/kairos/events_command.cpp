@@ -168,6 +168,7 @@ void add_events_command(CLI::App& app, Action& chosen, const std::string& comman
   add_record_options(command, *arguments);
   add_light_options(command, arguments->light);
   add_events_info_command(command, chosen);
+  add_events_compare_command(command, chosen);
   add_events_play_command(command, chosen);
   command.callback([arguments, &chosen, &command, command_line] {
     if (!command.get_subcommands().empty()) return;

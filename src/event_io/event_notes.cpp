@@ -56,6 +56,7 @@ void write_event_notes(const std::string& path, const EventOptions& options, con
   json["steps"] = stats.steps;
   json["rays_traced"] = stats.rays;
   json["shading_samples"] = stats.shading_samples;
+  json["cpu_s"] = stats.cpu_seconds;
   json["fastest_edge_px_per_s"] = stats.fastest;
   const EventErrors errors = event_errors(options);
   json["errors_px"] = {{"motion", errors.motion}, {"edges", errors.area}};

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <kairos/event_compare.h>
 #include <kairos/events.h>
 #include <kairos/make_scene.h>
 
@@ -304,6 +305,22 @@ TEST(Events, OfColoursThatChangeAreExactToAFractionOfAThreshold) {
     // Keys are straight: the angle is off by a part of (turn / keys)^2 / 8.
     EXPECT_NEAR(brightness(static_cast<double>(event.time) * 1e-9), level, 0.05 * 0.1);
   }
+}
+
+TEST(Events, AreComparedInTheirOrderWithinAWindow) {
+  const auto at = [](int64_t microseconds, uint16_t x, int8_t polarity = 1) {
+    return Event{microseconds * 1000, x, 0, polarity, EventKind::signal};
+  };
+  const std::vector<Event> reference{at(100, 1), at(200, 1), at(250, 2, -1), at(300, 1), at(50000, 2)};
+  const std::vector<Event> other{at(103, 1), at(207, 1), at(250, 2), at(305, 1), at(50001, 2), at(90000, 1)};
+  const EventDifference difference = compare_events(reference, other, 20000);
+  EXPECT_EQ(difference.matched, 4u);
+  EXPECT_EQ(difference.missing, 1u);  // the one that became darker
+  EXPECT_EQ(difference.extra, 2u);
+  EXPECT_EQ(difference.median, 3000);  // of 1, 3, 5 and 7 microseconds
+  EXPECT_EQ(difference.most, 7000);
+  EXPECT_NEAR(difference.rms, std::sqrt(21.0) * 1000, 1e-6);
+  EXPECT_EQ(pillar_share(other), 1);  // all of them, of so few
 }
 
 TEST(Events, OptionsOutOfRangeAreRefusedInOneLine) {
