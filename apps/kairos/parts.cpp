@@ -219,6 +219,12 @@ MergedPicture merge_parts(const std::string& out) {
 void remove_parts(const MergedPicture& merged, const std::string& out) {
   std::error_code ignored;  // the picture is there; what cannot be removed does no harm
   for (const std::string& part : merged.parts) std::filesystem::remove(part, ignored);
+  // What runs that were killed while they wrote have left.
+  std::vector<std::filesystem::path> unfinished;
+  for (const auto& entry : std::filesystem::directory_iterator(parts_folder(out), ignored))
+    if (entry.path().filename().string().starts_with("kairos-") && entry.path().extension() == ".tmp")
+      unfinished.push_back(entry.path());
+  for (const auto& path : unfinished) std::filesystem::remove(path, ignored);
   std::filesystem::remove(parts_folder(out), ignored);
 }
 
