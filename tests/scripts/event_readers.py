@@ -23,7 +23,7 @@ def in_environment():
     if not done.exists():
         try:
             subprocess.run([sys.executable, "-m", "venv", "--clear", place], check=True, capture_output=True, timeout=120)
-            subprocess.run([python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *PACKAGES], check=True,
+            subprocess.run([python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--retries", "1", "--timeout", "15", *PACKAGES], check=True,
                            capture_output=True, timeout=200)
         except (subprocess.SubprocessError, OSError) as problem:
             print(f"skipped: the readers cannot be installed here ({problem})")
