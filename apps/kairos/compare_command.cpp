@@ -14,7 +14,7 @@ namespace kairos::cli {
 
 namespace {
 
-struct CompareArguments {
+struct ComparedPictures {
   std::string reference;
   std::vector<std::string> images;
   std::string side_by_side;
@@ -24,7 +24,7 @@ struct CompareArguments {
 };
 
 /// All pictures are sequences of the same frames.
-void compare_sequences(const CompareArguments& arguments) {
+void compare_sequences(const ComparedPictures& arguments) {
   const FrameName reference_name("REFERENCE", arguments.reference);
   std::vector<FrameName> names;
   for (const std::string& image : arguments.images) names.emplace_back("IMAGE", image);
@@ -41,7 +41,7 @@ void compare_sequences(const CompareArguments& arguments) {
   }
 }
 
-void run_compare(const CompareArguments& arguments) {
+void compare_pictures(const ComparedPictures& arguments) {
   if (arguments.frames) return compare_sequences(arguments);
   if (!arguments.side_by_side.empty()) check_writable_image(arguments.side_by_side);
   const Image reference = read_image(arguments.reference);
@@ -68,7 +68,7 @@ void run_compare(const CompareArguments& arguments) {
 
 void add_compare_command(CLI::App& app, Action& chosen) {
   CLI::App& compare = *app.add_subcommand("compare", "Say how far pictures are from a reference");
-  const auto out = std::make_shared<CompareArguments>();
+  const auto out = std::make_shared<ComparedPictures>();
   compare.add_option("REFERENCE", out->reference, "The picture that counts as right: EXR, PNG, JPEG, TGA or HDR")
       ->required();
   compare.add_option("IMAGE", out->images, "Pictures of the same size")->required();
@@ -111,7 +111,7 @@ void add_compare_command(CLI::App& app, Action& chosen) {
                                                          out->labels.size(), out->images.size()));
     if (out->side_by_side.empty() && (out->zoom || !out->labels.empty()))
       throw CLI::ValidationError("--side-by-side", "is missing: --zoom and --labels are about what it writes");
-    chosen = [out] { run_compare(*out); };
+    chosen = [out] { compare_pictures(*out); };
   });
 }
 

@@ -38,7 +38,7 @@ struct ExposeArguments {
   int threads = 0;
 };
 
-void log(const ExposeArguments& arguments, const std::string& line) {
+void say(const ExposeArguments& arguments, const std::string& line) {
   if (!arguments.quiet) fmt::print(stderr, "{}\n", line);
 }
 
@@ -99,7 +99,7 @@ Image expose(const ExposeArguments& arguments, const TimePicture& picture, const
         {"kairos:exposure_line", std::array<double, 2>{job.shutter.open_line, job.shutter.close_line}});
     std::erase_if(image.attributes, [](const Attribute& attribute) { return attribute.name == "expTime"; });
     image.attributes.push_back({"expTime", job.shutter.close - job.shutter.open});
-    if (!arguments.frames && arguments.stack == 0) log(arguments, text);
+    if (!arguments.frames && arguments.stack == 0) say(arguments, text);
   }
   image.attributes.push_back({"kairos:exposed_with", arguments.command_line});
   return image;
@@ -116,7 +116,7 @@ void write_page(const ExposeArguments& arguments, const TimePicture& picture) {
   const std::string page = shutter_page(picture, options);
   end_polling();
   write_file(arguments.page, page);
-  log(arguments,
+  say(arguments,
       fmt::format("wrote {}, {:.1f} MB: open it in a browser", arguments.page, static_cast<double>(page.size()) / 1e6));
 }
 
@@ -154,14 +154,14 @@ void run_expose(const ExposeArguments& arguments) {
   const TimeFile file = TimeFile::open(arguments.file);
   const TimePicture& picture = file.picture();
   if (!file.info().finished)
-    log(arguments, fmt::format("warning: {}: is not finished, {} of {} tiles are there; the others stay black",
+    say(arguments, fmt::format("warning: {}: is not finished, {} of {} tiles are there; the others stay black",
                                arguments.file, file.info().tiles_there, file.info().tiles));
   if (!arguments.page.empty()) write_page(arguments, picture);
   if (arguments.out.empty()) return;
   const std::vector<PictureJob> jobs = jobs_of(arguments, picture.frame());
   for (const PictureJob& job : jobs) check_writable_image(job.out);
   if (arguments.at && !picture.quality().exact())
-    log(arguments,
+    say(arguments,
         "note: what this file holds is exact for exposures, within its tolerance, and not for an instant; see "
         "--time-tolerance exact of kairos render");
   ExposeOptions options;
@@ -176,7 +176,7 @@ void run_expose(const ExposeArguments& arguments) {
     write.exposure = arguments.view.exposure;
     write_interruptibly(image, job.out, write);
     begin_polling();
-    log(arguments, "wrote " + job.out);
+    say(arguments, "wrote " + job.out);
   }
   end_polling();
 }

@@ -46,8 +46,8 @@ struct RenderArguments {
   bool quiet = false;
 };
 
-void log(const RenderArguments& arguments, const std::string& line) {
-  if (!arguments.quiet) cli::log(line);
+void say(const RenderArguments& arguments, const std::string& line) {
+  if (!arguments.quiet) log(line);
 }
 
 uint64_t total_rays(const RenderParams& params, const Shot& shot) {
@@ -103,7 +103,7 @@ std::string mark_of(const RenderArguments& arguments) {
 bool is_there(const RenderArguments& arguments, const FrameJob& job, const std::string& mark) {
   const bool found = is_part_there(job.out, mark);
   if (!found && std::filesystem::is_regular_file(job.out))
-    log(arguments, job.out + " is no whole picture: it is made again");
+    say(arguments, job.out + " is no whole picture: it is made again");
   return found && (job.stats_file.empty() || std::filesystem::is_regular_file(job.stats_file));
 }
 
@@ -148,7 +148,7 @@ std::vector<FrameJob> jobs_of(const RenderArguments& arguments, const std::strin
   const size_t count = jobs.size();
   std::erase_if(jobs, [&](const FrameJob& job) { return is_there(arguments, job, mark); });
   if (jobs.size() < count)
-    log(arguments,
+    say(arguments,
         fmt::format("{} of {} {} are there already", count - jobs.size(), count, arguments.part ? "parts" : "frames"));
   return jobs;
 }
@@ -166,12 +166,12 @@ void render_job(const RenderArguments& arguments, const FrameJob& job, const std
   if (job.part)
     params.crop = band_of(params.crop.value_or(Crop{0, shot.projection.width, 0, shot.projection.height}), *job.part);
   timings.shot = reducing.seconds();
-  log(arguments, fmt::format("loaded {} meshes, {} triangles in {:.2f} s; {}x{} pixels, shutter {} to {}",
+  say(arguments, fmt::format("loaded {} meshes, {} triangles in {:.2f} s; {}x{} pixels, shutter {} to {}",
                              shot.meshes.size(), triangle_count(shot.meshes), timings.load + timings.shot,
                              shot.projection.width, shot.projection.height, shot.shutter_open, shot.shutter_close));
-  if (exposed.shutter) log(arguments, shutter_text(*exposed.shutter, shot.projection.width, shot.projection.height));
+  if (exposed.shutter) say(arguments, shutter_text(*exposed.shutter, shot.projection.width, shot.projection.height));
   for (const std::string& note : shot.notes)
-    if (told.insert(note).second) log(arguments, "note: " + note);
+    if (told.insert(note).second) say(arguments, "note: " + note);
 
   WriteOptions write = arguments.write;
   write.view = arguments.view.choice.value_or(usual_view(shot, arguments.sampling.params.shading));
@@ -200,12 +200,12 @@ void render_job(const RenderArguments& arguments, const FrameJob& job, const std
     time.emplace(arguments.time.path, shot, of_rays, TimeFileOptions{arguments.time.tolerance, clock, mark});
     consumers.push_back(&*time);
     if (time->tiles_before() > 0)
-      log(arguments, fmt::format("{} of {} tiles are in '{}.part' already", time->tiles_before(), time->tiles(),
+      say(arguments, fmt::format("{} of {} tiles are in '{}.part' already", time->tiles_before(), time->tiles(),
                                  arguments.time.path));
   }
   with_progress(arguments, total_rays(params, shot),
                 [&](const Progress& progress) { Renderer(shot).render(of_rays, consumers, &stats, progress); });
-  log(arguments,
+  say(arguments,
       fmt::format("built in {:.2f} s, rendered {} rays in {:.2f} s ({}rays/s) on {} threads, {}", stats.build_seconds,
                   stats.rays, stats.render_seconds, with_unit(static_cast<double>(stats.rays) / stats.render_seconds),
                   stats.threads,
@@ -215,7 +215,7 @@ void render_job(const RenderArguments& arguments, const FrameJob& job, const std
   const Stopwatch writing;
   if (time) {
     time->finish();
-    log(arguments, time_file_text(arguments.time.path));
+    say(arguments, time_file_text(arguments.time.path));
   }
   if (picture) {
     Image image = picture->take();
@@ -248,7 +248,7 @@ void run_render(RenderArguments& arguments) {
   const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
   Timings timings;
   timings.load = loading.seconds();
-  for (const std::string& warning : contents(*scene).warnings) log(arguments, "warning: " + warning);
+  for (const std::string& warning : contents(*scene).warnings) say(arguments, "warning: " + warning);
   std::set<std::string> told;  // notes are much the same for every frame
   const Stopwatch rendering;
   for (size_t i = 0; i < jobs.size(); ++i) {
@@ -256,7 +256,7 @@ void run_render(RenderArguments& arguments) {
     const size_t left = jobs.size() - i - 1;
     const double seconds = rendering.seconds() / static_cast<double>(i + 1) * static_cast<double>(left);
     const std::string outlook = left ? fmt::format("; {} of {}, {} left", i + 1, jobs.size(), clock_time(seconds)) : "";
-    if (!jobs[i].out.empty()) log(arguments, fmt::format("wrote {}{}", jobs[i].out, outlook));
+    if (!jobs[i].out.empty()) say(arguments, fmt::format("wrote {}{}", jobs[i].out, outlook));
   }
 }
 

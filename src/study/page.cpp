@@ -22,9 +22,9 @@ extern const char* const pictures_js;
 extern const char* const main_js;
 extern const char* const self_test_js;
 
-namespace {
-
 using Json = nlohmann::ordered_json;
+
+namespace {
 
 /// JSON has no infinity and no NaN.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }

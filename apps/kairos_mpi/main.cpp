@@ -1,0 +1,188 @@
+// kairos-mpi: `kairos render` on the ranks of an MPI job. Rank 0 hands out parts of the job, one to each rank that
+// asks, takes some itself, and merges them at the end. Parts are those of `kairos render --part`, each rendered by a
+// kairos of its own: what is there already is not rendered again, so that a job which lost a rank is run again, and
+// goes on.
+//
+// Two-sided messages alone: one-sided ones make no progress over TCP while the other side computes.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <mpi.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+extern char** environ;
+
+namespace {
+
+constexpr int kFailed = 1, kBadUsage = 2;
+constexpr int kNoPart = -1;               ///< nothing is left to do
+constexpr int kRequest = 1, kAnswer = 2;  ///< tags: a rank's failures so far; a part's index
+constexpr int kMostParts = 65536;
+constexpr auto kNap = std::chrono::milliseconds(1);  // between looks at messages and at the own part
+
+struct Job {
+  std::string kairos = "kairos";    ///< the program
+  std::vector<std::string> render;  ///< its arguments, "render" first
+  std::string out, frames;          ///< what of them says where the picture goes
+  int parts = 0;
+};
+
+int usage(const std::string& why) {
+  std::fprintf(stderr,
+               "kairos-mpi: %s; mpirun ... kairos-mpi [--parts N] [--kairos PROGRAM] render SCENE ... -o OUT [...]\n",
+               why.c_str());
+  return kBadUsage;
+}
+
+/// Empty where the arguments are right, else what is wrong.
+std::string parse(int argc, char** argv, int ranks, Job& job) {
+  int i = 1;
+  for (; i + 1 < argc && std::string(argv[i]) != "render"; i += 2) {
+    const std::string option = argv[i];
+    if (option == "--kairos") {
+      job.kairos = argv[i + 1];
+    } else if (option == "--parts") {
+      char* end = nullptr;
+      const long parts = std::strtol(argv[i + 1], &end, 10);
+      if (*end != '\0' || parts < 1 || parts > kMostParts) return "--parts takes a number from 1 to 65536";
+      job.parts = static_cast<int>(parts);
+    } else {
+      return "'" + option + "' is not known";
+    }
+  }
+  if (i >= argc || std::string(argv[i]) != "render") return "what it runs is 'render'";
+  job.render.assign(argv + i, argv + argc);
+  for (size_t k = 1; k + 1 < job.render.size(); ++k) {
+    if (job.render[k] == "-o" || job.render[k] == "--output") job.out = job.render[k + 1];
+    if (job.render[k] == "--frames") job.frames = job.render[k + 1];
+    if (job.render[k] == "--part") return "it chooses --part itself";
+  }
+  if (job.out.empty()) return "the picture's name is missing";
+  constexpr int kPartsOfRank = 4;  // so that ranks end at much the same time, and most of the time is rendering's
+  if (job.parts == 0) job.parts = std::min(kMostParts, kPartsOfRank * ranks);
+  return "";
+}
+
+/// A kairos that runs.
+class Run {
+ public:
+  Run(const std::string& program, const std::vector<std::string>& arguments) {
+    std::vector<char*> argv = {const_cast<char*>(program.c_str())};
+    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    if (posix_spawnp(&process_, program.c_str(), nullptr, nullptr, argv.data(), environ) != 0) {
+      std::fprintf(stderr, "kairos-mpi: '%s' cannot be run; give --kairos PROGRAM\n", program.c_str());
+      process_ = 0;
+      failed_ = true;
+    }
+  }
+  /// Unset while it runs; true when it ended well.
+  std::optional<bool> ended(bool wait) {
+    if (failed_) return false;
+    int status = 0;
+    const pid_t found = waitpid(process_, &status, wait ? 0 : WNOHANG);
+    if (found == 0) return std::nullopt;
+    return found == process_ && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  }
+
+ private:
+  pid_t process_ = 0;
+  bool failed_ = false;
+};
+
+Run run_part(const Job& job, int part) {
+  std::vector<std::string> arguments = job.render;
+  arguments.insert(arguments.end(), {"--part", std::to_string(part + 1) + "/" + std::to_string(job.parts), "--quiet"});
+  return {job.kairos, arguments};
+}
+
+/// Asks for parts until there are none.
+void work(const Job& job) {
+  for (int failures = 0;;) {
+    MPI_Send(&failures, 1, MPI_INT, 0, kRequest, MPI_COMM_WORLD);
+    int part = kNoPart;
+    MPI_Recv(&part, 1, MPI_INT, 0, kAnswer, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    if (part == kNoPart) return;
+    failures = run_part(job, part).ended(true).value_or(false) ? 0 : 1;
+  }
+}
+
+/// Hands out the parts; how many of them failed.
+int manage(const Job& job, int ranks) {
+  int next = 0, failures = 0, workers = ranks - 1, done = 0;
+  std::optional<Run> own;
+  const auto finished = [&](int failed) {
+    failures += failed;
+    std::fprintf(stderr, "%d of %d parts\n", ++done, job.parts);
+  };
+  std::vector<bool> busy(static_cast<size_t>(ranks));
+  while (workers > 0 || own || next < job.parts) {
+    if (own)
+      if (const auto well = own->ended(false)) {
+        own.reset();
+        finished(*well ? 0 : 1);
+      }
+    if (!own && next < job.parts) own = run_part(job, next++);
+    int waits = 0;
+    MPI_Status status;
+    MPI_Iprobe(MPI_ANY_SOURCE, kRequest, MPI_COMM_WORLD, &waits, &status);
+    if (!waits) {
+      std::this_thread::sleep_for(kNap);
+      continue;
+    }
+    const int rank = status.MPI_SOURCE;
+    int failed = 0;
+    MPI_Recv(&failed, 1, MPI_INT, rank, kRequest, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    if (busy[static_cast<size_t>(rank)]) finished(failed);
+    const int part = next < job.parts ? next++ : kNoPart;
+    busy[static_cast<size_t>(rank)] = part != kNoPart;
+    if (part == kNoPart) --workers;
+    MPI_Send(&part, 1, MPI_INT, rank, kAnswer, MPI_COMM_WORLD);
+  }
+  return failures;
+}
+
+int merge(const Job& job) {
+  std::vector<std::string> arguments = {"merge", job.out, "--clean"};
+  if (!job.frames.empty()) arguments.insert(arguments.end(), {"--frames", job.frames});
+  return Run(job.kairos, arguments).ended(true).value_or(false) ? 0 : kFailed;
+}
+
+/// Frames that no part divides are written whole.
+bool needs_merging(const Job& job) {
+  const size_t dash = job.frames.find('-');
+  if (job.frames.empty()) return true;
+  const int frames =
+      dash == std::string::npos ? 1 : std::atoi(job.frames.c_str() + dash + 1) - std::atoi(job.frames.c_str()) + 1;
+  return job.parts > frames;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  MPI_Init(&argc, &argv);
+  int rank = 0, ranks = 1, status = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  Job job;
+  if (const std::string wrong = parse(argc, argv, ranks, job); !wrong.empty()) {
+    status = rank == 0 ? usage(wrong) : kBadUsage;
+  } else if (rank != 0) {
+    work(job);
+  } else if (const int failures = manage(job, ranks); failures > 0) {
+    std::fprintf(stderr, "kairos-mpi: %d of %d parts failed; their messages are above. Run it again for those alone\n",
+                 failures, job.parts);
+    status = kFailed;
+  } else if (needs_merging(job)) {
+    status = merge(job);
+  }
+  MPI_Finalize();
+  return status;
+}
