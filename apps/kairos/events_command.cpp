@@ -27,11 +27,15 @@ class Files : public EventSink {
       // Each file takes of the options what it knows.
       EventFileOptions own = options;
       if (paths.size() > 1 && !path.ends_with(".txt")) own.header = EventFileOptions::Header::none;
+      own.labels = options.labels && path.ends_with(".npz");
       files_.push_back(std::make_unique<EventFileWriter>(path, width, height, own));
     }
   }
   void add(std::span<const Event> events) override {
     for (const auto& file : files_) file->add(events);
+  }
+  void add_labelled(std::span<const Event> events, std::span<const EventLabel> labels) override {
+    for (const auto& file : files_) file->add_labelled(events, labels);
   }
   void finish() {
     for (const auto& file : files_) file->finish();
@@ -75,6 +79,9 @@ void run_events(const EventsArguments& arguments, const std::string& command_lin
     check_event_file(path, arguments.scene.shot.width, arguments.scene.shot.height);
     check_writable(path);
   }
+  if (arguments.options.labels && std::none_of(arguments.outs.begin(), arguments.outs.end(),
+                                               [](const std::string& path) { return path.ends_with(".npz"); }))
+    throw Error(ErrorCode::bad_usage, arguments.outs.front(), "holds no labels; let --labels write an .npz, too");
   const auto say = [&](const std::string& line) {
     if (!arguments.quiet) log(line);
   };
@@ -87,7 +94,8 @@ void run_events(const EventsArguments& arguments, const std::string& command_lin
   choose_times(arguments, *scene, options);
   EventFileOptions file = arguments.file;
   file.duration = std::llround((options.to - options.from) * 1e9);
-  file.kinds = options.sensor.leak > 0 || options.sensor.shot_noise > 0;
+  file.labels = options.labels;
+  file.kinds = options.labels || options.sensor.leak > 0 || options.sensor.shot_noise > 0;
   Files files(arguments.outs, options.shot.width, options.shot.height, file);
 
   std::unique_ptr<ProgressBar> bar;
@@ -113,7 +121,9 @@ void run_events(const EventsArguments& arguments, const std::string& command_lin
   const double seconds = options.to - options.from;
   say(fmt::format("{} events in {:.6g} s of {}x{} pixels: {} on, {} off{}, {:.3g} per pixel and second",
                   stats.on + stats.off, seconds, stats.width, stats.height, stats.on, stats.off,
-                  file.kinds ? fmt::format(", of them {} of leaking and {} of shot noise", stats.leak, stats.shot) : "",
+                  stats.leak + stats.shot > 0
+                      ? fmt::format(", of them {} of leaking and {} of shot noise", stats.leak, stats.shot)
+                      : "",
                   static_cast<double>(stats.on + stats.off) / seconds / stats.width / stats.height));
   say(fmt::format("{} moving edges, {} changes without an edge that is known; {:.1f} s, {:.1f} s of processor time",
                   stats.edges, stats.steps, recording.seconds(), stats.cpu_seconds));
@@ -138,6 +148,8 @@ void add_record_options(CLI::App& command, EventsArguments& arguments) {
   add_count(command, "--rays", options.rays, 1, 256, "Rays per pixel: 1, 4, 16, 64 or 256");
   add_choice(command, "--edges", options.edges,
              "How an edge passes a pixel. area: it covers each ray's part as it moves over it; step: rays jump");
+  command.add_flag("--labels", options.labels,
+                   "Also say of each event, in .npz, which surface made it and what lies behind, depth, flow and kind");
   add_event_sensor_options(command, options.sensor);
   add_event_file_options(command, arguments.file);
   add_choice(command, "--shading", options.render.shading,

@@ -30,6 +30,7 @@ struct EventFileOptions {
   int evt = 3;           ///< of .raw: 3 or 2
   int64_t epoch = 0;     ///< nanoseconds that are added to all stamps; 0 or more
   bool kinds = false;    ///< npz: an array that tells signal and noise apart
+  bool labels = false;   ///< npz: arrays of what made each pixel fire
   int64_t duration = 0;  ///< nanoseconds: of the recording; .h5 has an index of all of its milliseconds
 };
 
@@ -41,6 +42,7 @@ class KAIROS_API EventFileWriter : public EventSink {
   ~EventFileWriter() override;
 
   void add(std::span<const Event> events) override;
+  void add_labelled(std::span<const Event> events, std::span<const EventLabel> labels) override;
   /// Gives the file its name. Without it nothing is left behind.
   void finish();
 
@@ -48,6 +50,8 @@ class KAIROS_API EventFileWriter : public EventSink {
 
  private:
   std::unique_ptr<Format> format_;
+  std::span<const Event> shifted(std::span<const Event> events);
+
   int64_t epoch_;
   std::vector<Event> shifted_;
 };

@@ -1,8 +1,10 @@
 // Event cameras: an animated scene as the stream of events that a sensor gives, with exact time stamps. docs/events.md.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -35,6 +37,16 @@ struct Event {
     return a.time != b.time ? a.time < b.time : a.y != b.y ? a.y < b.y : a.x < b.x;
   }
   friend bool operator==(const Event&, const Event&) = default;
+};
+
+/// What made a pixel fire. Meshes are numbered from 1 in their order in the shot, as in the AOV `mesh`; 0: none.
+struct EventLabel {
+  uint32_t surface =
+      0;                ///< of an edge: the surface whose edge it is, the nearer one; else the one whose colour changes
+  uint32_t behind = 0;  ///< of an edge: what it hides, or sets free; else the same as `surface`
+  float depth = std::numeric_limits<float>::infinity();  ///< of `surface`, along the view axis, in the scene's units
+  std::array<float, 2> flow{};                           ///< of its material, pixels a second, right and down
+  bool edge = false;  ///< another surface is seen, or the same one where it hides itself; else: colours change
 };
 
 /// What a pixel does for a while after an event.
@@ -86,6 +98,7 @@ struct EventOptions {
   /// Seconds that are rendered at once, at multiples of it: memory and, by rounding, the stream's last bits depend on
   /// it.
   double chunk = 0.5;
+  bool labels = false;  ///< tells the sink what made each pixel fire: EventSink::add_labelled
   /// Changes the shot of each chunk, before it is rendered.
   std::function<void(Shot&)> change_shot = {};
 };
@@ -96,6 +109,10 @@ class KAIROS_API EventSink {
   virtual ~EventSink() = default;
   /// Called from one thread with what follows on all before, in the stream's order.
   virtual void add(std::span<const Event> events) = 0;
+  /// In place of add() with EventOptions::labels. labels: [event].
+  virtual void add_labelled(std::span<const Event> events, [[maybe_unused]] std::span<const EventLabel> labels) {
+    add(events);
+  }
 };
 
 /// Of a recording.
@@ -107,8 +124,9 @@ struct EventStats {
   uint64_t steps = 0;           ///< changes without an edge that is known: taken as steps
   double fastest = 0;           ///< pixels a second: of the edges, across themselves
   uint64_t rays = 0, shading_samples = 0;
-  double cpu_seconds = 0;          ///< processor time of the whole process
-  std::vector<std::string> notes;  ///< one line each, of the shots
+  double cpu_seconds = 0;           ///< processor time of the whole process
+  std::vector<std::string> notes;   ///< one line each, of the shots
+  std::vector<std::string> meshes;  ///< names of those that labels number; empty without labels
 };
 
 /// What the stamps of a recording may be off by, in pixels: divide by an edge's speed for seconds.

@@ -80,6 +80,7 @@ void check_event_file(const std::string& path, int width, int height, const Even
         "times are seconds (with nine decimals) or microseconds in .txt, microseconds or nanoseconds in .npz, and "
         "cannot be chosen in others");
   if (options.polarity && !text && !npz) refuse("how polarity is written can be chosen for .txt and .npz alone");
+  if (options.labels && !npz) refuse("labels of events are of .npz alone");
   if (options.header != EventFileOptions::Header::none && !text) refuse("a header is of .txt alone");
 }
 
@@ -93,11 +94,16 @@ EventFileWriter::EventFileWriter(const std::string& path, int width, int height,
 }
 EventFileWriter::~EventFileWriter() = default;
 
-void EventFileWriter::add(std::span<const Event> events) {
-  if (epoch_ == 0) return format_->add(events);
+std::span<const Event> EventFileWriter::shifted(std::span<const Event> events) {
+  if (epoch_ == 0) return events;
   shifted_.assign(events.begin(), events.end());
   for (Event& event : shifted_) event.time += epoch_;
-  format_->add(shifted_);
+  return shifted_;
+}
+
+void EventFileWriter::add(std::span<const Event> events) { format_->add(shifted(events)); }
+void EventFileWriter::add_labelled(std::span<const Event> events, std::span<const EventLabel> labels) {
+  format_->add_labelled(shifted(events), labels);
 }
 
 void EventFileWriter::finish() { format_->finish(); }

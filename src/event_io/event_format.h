@@ -16,6 +16,9 @@ class EventFileWriter::Format {
  public:
   virtual ~Format() = default;
   virtual void add(std::span<const Event> events) = 0;
+  virtual void add_labelled(std::span<const Event> events, [[maybe_unused]] std::span<const EventLabel> labels) {
+    add(events);
+  }
   virtual void finish() = 0;
 };
 

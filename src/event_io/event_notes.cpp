@@ -52,6 +52,7 @@ void write_event_notes(const std::string& path, const EventOptions& options, con
   json["seed"] = options.render.seed;
   json["sensor"] = sensor_json(options.sensor);
   json["events"] = {{"on", stats.on}, {"off", stats.off}, {"leak", stats.leak}, {"shot", stats.shot}};
+  if (options.labels) json["meshes"] = stats.meshes;  // numbered from 1
   json["moving_edges"] = stats.edges;
   json["steps"] = stats.steps;
   json["rays_traced"] = stats.rays;

@@ -1,5 +1,6 @@
 // numpy archives of events: a ZIP file whose members are arrays.
 #include <array>
+#include <bit>
 #include <optional>
 #include <utility>
 
@@ -140,6 +141,28 @@ class Column {
   uint64_t size_ = 0;
 };
 
+/// What made pixels fire.
+struct LabelColumns {
+  Column surface, behind, depth, flow_x, flow_y, edge;
+
+  explicit LabelColumns(const std::string& path)
+      : surface(path, "surface", "'<u4'"),
+        behind(path, "behind", "'<u4'"),
+        depth(path, "depth", "'<f4'"),
+        flow_x(path, "flow_x", "'<f4'"),
+        flow_y(path, "flow_y", "'<f4'"),
+        edge(path, "edge", "'|b1'") {}
+  void put(const EventLabel& label) {
+    surface.put(label.surface);
+    behind.put(label.behind);
+    depth.put(std::bit_cast<uint32_t>(label.depth));
+    flow_x.put(std::bit_cast<uint32_t>(label.flow[0]));
+    flow_y.put(std::bit_cast<uint32_t>(label.flow[1]));
+    edge.put(static_cast<uint8_t>(label.edge));
+  }
+  std::array<Column*, 6> all() { return {&surface, &behind, &depth, &flow_x, &flow_y, &edge}; }
+};
+
 class NpzWriter : public EventFileWriter::Format {
  public:
   explicit NpzWriter(const EventFilePlan& plan)
@@ -152,9 +175,13 @@ class NpzWriter : public EventFileWriter::Format {
         y_(plan.path, "y", "'<u2'"),
         p_(plan.path, "p", "'|i1'") {
     if (plan.options.kinds) kind_.emplace(plan.path, "kind", "'|u1'");
+    if (plan.options.labels) labels_.emplace(plan.path);
   }
 
-  void add(std::span<const Event> events) override {
+  void add(std::span<const Event> events) override { add_labelled(events, {}); }
+  void add_labelled(std::span<const Event> events, std::span<const EventLabel> labels) override {
+    if (labels_)
+      for (size_t i = 0; i < events.size(); ++i) labels_->put(i < labels.size() ? labels[i] : EventLabel{});
     for (const Event& event : events) {
       t_.put(nanoseconds_ ? event.time : microseconds(event.time));
       x_.put(event.x);
@@ -182,6 +209,8 @@ class NpzWriter : public EventFileWriter::Format {
   std::vector<Column*> columns() {
     std::vector<Column*> all{&t_, &x_, &y_, &p_};
     if (kind_) all.push_back(&*kind_);
+    if (labels_)
+      for (Column* column : labels_->all()) all.push_back(column);
     return all;
   }
 
@@ -191,6 +220,7 @@ class NpzWriter : public EventFileWriter::Format {
   int8_t off_;
   Column t_, x_, y_, p_;
   std::optional<Column> kind_;
+  std::optional<LabelColumns> labels_;
 };
 
 /// One array of events as Metavision has them, which can be mapped into memory.

@@ -95,13 +95,17 @@ std::optional<EdgeMotion> motion_of(const Side& side, double x, double y, double
 
 }  // namespace
 
-std::optional<EdgeMotion> EdgeFinder::find(double x, double y, double time, const Segment& before,
-                                           const Segment& after) const {
+bool EdgeFinder::arrives(const Segment& before, const Segment& after) {
   const auto dist_of = [](const Segment& segment, float dist) {
     return segment.mesh == kNoMesh ? std::numeric_limits<float>::infinity() : dist;
   };
-  const bool arrives = dist_of(after, after.dist_begin) < dist_of(before, before.dist_end);
-  const Segment &front = arrives ? after : before, &back = arrives ? before : after;
+  return dist_of(after, after.dist_begin) < dist_of(before, before.dist_end);
+}
+
+std::optional<EdgeMotion> EdgeFinder::find(double x, double y, double time, const Segment& before,
+                                           const Segment& after) const {
+  const bool is_new = arrives(before, after);
+  const Segment &front = is_new ? after : before, &back = is_new ? before : after;
   if (front.mesh == kNoMesh) return std::nullopt;
   const MovingCorners triangle(shot_.meshes[front.mesh], front.triangle, time);
   // The edge on whose line the point lies.
@@ -130,6 +134,35 @@ std::optional<EdgeMotion> EdgeFinder::find(double x, double y, double time, cons
         return nearness(ray, triangle, when, plane_.orthographic()) - nearness(ray, other, when, plane_.orthographic());
       },
       x, y, time);
+}
+
+SurfacePoint EdgeFinder::point(double x, double y, double time, const Segment& seen) const {
+  const MovingCorners triangle(shot_.meshes[seen.mesh], seen.triangle, time);
+  const FilmRay ray(plane_, x, y);
+  // A corner's share of the point is the volume that the ray spans with the other two, of the sum. Of a triangle that
+  // is seen from the side they are rounding alone: so the point stays within it.
+  std::array<double, 3> share{};
+  double sum = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    share[i] = edge_side(ray, triangle.at[(i + 1) % 3], triangle.at[(i + 2) % 3]);
+    sum += share[i];
+  }
+  const double sign = sum < 0 ? -1 : 1;
+  sum = 0;
+  for (double& part : share) sum += part = std::max(sign * part, 0.0);
+  if (!(sum > 0)) sum = share[0] = 1;
+  Vec3d at{}, velocity{};
+  for (size_t i = 0; i < 3; ++i) {
+    at = at + triangle.at[i] * (share[i] / sum);
+    velocity = velocity + triangle.velocity[i] * (share[i] / sum);
+  }
+  const double depth = -at.z, scale = plane_.orthographic() ? 1 : depth;
+  const Vec2d here = plane_.at(x, y);
+  const double toward = plane_.orthographic() ? 0 : velocity.z;
+  constexpr double kShort = 1e-3;  // any length will do: the film is affine
+  const Vec2d moved = plane_.film({here.x + kShort * (velocity.x + here.x * toward) / scale,
+                                   here.y + kShort * (velocity.y + here.y * toward) / scale});
+  return {depth, {(moved.x - x) / kShort, (moved.y - y) / kShort}};
 }
 
 }  // namespace kairos

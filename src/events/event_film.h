@@ -25,6 +25,18 @@ struct PixelStates {
   }
 };
 
+/// Events of a stretch of time, and their labels where they are wanted.
+struct EventBatch {
+  std::vector<Event> events;
+  std::vector<EventLabel> labels;  // [event], or empty
+
+  void append(const EventBatch& more);
+  /// Puts them into the stream's order.
+  void sort();
+  /// Splits off events from `first` on.
+  EventBatch split(size_t first);
+};
+
 /// Takes records of a shot. Reads all that it is given, which must outlive it.
 class EventFilm : public PixelConsumer {
  public:
@@ -34,8 +46,8 @@ class EventFilm : public PixelConsumer {
   RecordNeeds needs() const override { return needs_; }
   void add(const PixelRecord& record) override;
 
-  /// In the stream's order.
-  std::vector<Event> take();
+  /// In no order.
+  EventBatch take();
   LightCounts counts() const;
 
  private:
@@ -49,7 +61,7 @@ class EventFilm : public PixelConsumer {
   PixelStates& states_;
   std::mutex mutex_;  // of what follows
   std::vector<std::unique_ptr<PixelIntensity>> scratch_;
-  std::vector<Event> events_;
+  EventBatch batch_;
 };
 
 }  // namespace kairos

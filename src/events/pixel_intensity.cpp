@@ -10,6 +10,8 @@ namespace {
 /// A jump of a ray by less than this part of its light, as interior edges of smooth surfaces make, is no outline: it
 /// stays a step, of a hundredth of a threshold or so.
 constexpr double kLeastJump = 1e-3;
+/// Triangles of a mesh whose distances differ by less than this part where a ray goes from one to the other meet there.
+constexpr float kSameDist = 1e-3f;
 /// Cuts closer to each other, in seconds, are one: a hundredth of what a stamp resolves.
 constexpr double kSameTime = 1e-11;
 
@@ -38,6 +40,8 @@ std::span<const LightPiece> PixelIntensity::make(const PixelRecord& record, cons
   lines_.clear();
   ray_ends_.clear();
   ramps_.clear();
+  sights_.clear();
+  turns_.clear();
   for (const PixelRay& ray : record.rays) add_ray(ray);
   cut();
   return pieces_;
@@ -84,13 +88,14 @@ void PixelIntensity::add_parts(std::span<const SeenPart> layers, double begin, d
 void PixelIntensity::add_ray(const PixelRay& ray) {
   const std::span<const SeenPart> parts = record_->parts_of(ray);
   const double open = record_->window.begin, close = record_->window.end;
-  sights_.clear();
+  const size_t first_sight = sights_.size();
+  const Vec2d film{record_->x + static_cast<double>(ray.film.x), record_->y + static_cast<double>(ray.film.y)};
   double until = open;
   const auto add_background = [&](double end) {
     if (!(until < end)) return;
     Segment nothing;
     nothing.mesh = kNoMesh;
-    sights_.push_back({nothing, lines_.size(), 1});
+    sights_.push_back({nothing, lines_.size(), 1, film});
     const double background = light(record_->background);
     add_line(until, end, background, background);
   };
@@ -102,28 +107,32 @@ void PixelIntensity::add_ray(const PixelRay& ray) {
     add_background(begin);
     const size_t first_line = lines_.size();
     add_parts(parts.subspan(first, next - first), begin, end);
-    sights_.push_back({where, first_line, lines_.size() - first_line});
+    sights_.push_back({where, first_line, lines_.size() - first_line, film});
     until = end;
   }
   add_background(close);
-  for (size_t i = 1; i < sights_.size(); ++i) join(ray, sights_[i - 1], sights_[i]);
+  for (size_t i = first_sight + 1; i < sights_.size(); ++i) join(ray, i);
   ray_ends_.push_back(lines_.size());
 }
 
 /// Where a ray sees something else: the exact time, and a ramp in place of the jump.
-void PixelIntensity::join(const PixelRay& ray, Sight& before, Sight& after) {
+void PixelIntensity::join(const PixelRay& ray, size_t sight) {
+  const Sight &before = sights_[sight - 1], &after = sights_[sight];
   if (before.where.mesh == after.where.mesh && before.where.triangle == after.where.triangle) return;
   Line &last = lines_[before.first_line + before.lines - 1], &first = lines_[after.first_line];
   const double jump = first.first - last.last;
   if (!(std::abs(jump) > kLeastJump * (std::max(first.first, last.last) + dark_))) return;
-  const double x = record_->x + static_cast<double>(ray.film.x), y = record_->y + static_cast<double>(ray.film.y);
-  const auto edge = edges_.find(x, y, clock_.shutter_time(first.begin), before.where, after.where);
+  const auto edge =
+      edges_.find(after.film.x, after.film.y, clock_.shutter_time(first.begin), before.where, after.where);
+  const bool outlines = before.where.mesh != after.where.mesh ||
+                        std::abs(after.where.dist_begin - before.where.dist_end) > kSameDist * before.where.dist_end;
+  turns_.push_back({first.begin, share_ * jump, sight, EdgeFinder::arrives(before.where, after.where), outlines});
   const double time = edge ? clock_.seconds(edge->time) : 0;
   if (!edge || !(last.begin < time && time < first.end)) {
     ++counts_.steps;
     return;
   }
-  last.end = first.begin = time;
+  last.end = first.begin = turns_.back().time = time;
   ++counts_.edges;
   const double speed = edge->speed / (clock_.close - clock_.open);
   counts_.fastest = std::max(counts_.fastest, speed);
@@ -135,9 +144,9 @@ void PixelIntensity::join(const PixelRay& ray, Sight& before, Sight& after) {
   };
   const double start = edge->normal.x * past_middle(ray.film.x) + edge->normal.y * past_middle(ray.film.y);
   const Coverage coverage(edge->normal.x, edge->normal.y);
-  ramps_.push_back({time, share_ * jump, rate, start,
-                    std::max(time + (-coverage.outer() - start) / rate, time - clock_.reach),
-                    std::min(time + (coverage.outer() - start) / rate, time + clock_.reach), coverage});
+  ramps_.push_back(
+      {time, share_ * jump, rate, start, std::max(time + (-coverage.outer() - start) / rate, time - clock_.reach),
+       std::min(time + (coverage.outer() - start) / rate, time + clock_.reach), coverage, turns_.size() - 1});
 }
 
 /// The sum over rays and ramps. within: an instant of the piece that `time` belongs to; cursors_ and active_ fit it.

@@ -52,6 +52,10 @@ class PixelIntensity {
   /// channels: how much red, green and blue count. In order, without gaps; at least one; valid until the next record.
   std::span<const LightPiece> make(const PixelRecord& record, const Vec3f& channels);
 
+  /// What made the light of the record rise (polarity 1) or fall (-1) when piece `piece` of it fired at `time`
+  /// (seconds): what changed it most in that piece, or else in an earlier one. polarity 0: what is seen then.
+  EventLabel label(size_t piece, double time, int polarity);
+
   const LightCounts& counts() const { return counts_; }
 
  private:
@@ -68,6 +72,20 @@ class PixelIntensity {
   struct Sight {
     Segment where;
     size_t first_line, lines;
+    Vec2d film;
+  };
+  /// Where a ray sees something else: in place of the sight before.
+  struct Turn {
+    double time, jump;
+    size_t sight;
+    bool arrives;   // what is seen then is the nearer one
+    bool outlines;  // one hides the other; not so where triangles of a surface meet
+  };
+  /// A part of a change of light, by what made it.
+  struct Cause {
+    EventLabel label;
+    double change, most;  // most: of a single ray, which saw `sight` of the surface
+    size_t sight;
   };
   /// In place of a jump, over the time in which the edge passes the ray's cell.
   struct Ramp {
@@ -76,10 +94,12 @@ class PixelIntensity {
     double rate, start;  // cells a second; cells past the middle, at `time`
     double begin, end;   // seconds, in which it differs from the jump
     Coverage coverage;
+    size_t turn;
 
     double at(double now, bool jumped) const {
       return jump * (coverage.at(start + rate * (now - time)) - (jumped ? 1 : 0));
     }
+    double done(double now) const { return now < begin ? 0 : now > end ? jump : at(now, false); }
   };
 
   double light(const Vec3f& colour) const;
@@ -89,8 +109,9 @@ class PixelIntensity {
     lines_.push_back({clock_.seconds(begin), clock_.seconds(end), first, last});
   }
   void add_parts(std::span<const SeenPart> layers, double begin, double end);
-  void join(const PixelRay& ray, Sight& before, Sight& after);
+  void join(const PixelRay& ray, size_t sight);
   void cut();
+  void add_cause(size_t front, uint32_t behind, bool edge, double change);
   double value(double time, double within) const;
 
   const EdgeFinder& edges_;
@@ -105,7 +126,10 @@ class PixelIntensity {
   std::vector<Line> lines_;       // ray by ray, in order of time
   std::vector<size_t> ray_ends_;  // of lines_
   std::vector<size_t> cursors_;   // [ray]: its line at the time that is looked at
-  std::vector<Sight> sights_;     // of the ray
+  std::vector<Sight> sights_;     // ray by ray, in order of time
+  std::vector<Turn> turns_;
+  std::vector<Cause> causes_;
+  std::vector<uint8_t> is_ramp_;  // [turn]
   std::vector<Ramp> ramps_;       // by begin
   std::vector<size_t> active_;    // of ramps_
   std::vector<double> cuts_, knot_times_;

@@ -94,7 +94,7 @@ EventStats record_events(const Scene& scene, const EventOptions& options, EventS
   EventStats stats;
   const EventPixels sensor(options.sensor, params.seed);
   std::optional<PixelStates> states;
-  std::vector<Event> late;
+  EventBatch late;
   std::set<std::string> told;
   const auto first = static_cast<int64_t>(std::floor(options.from / options.chunk));
   const auto after = std::max(static_cast<int64_t>(std::ceil(options.to / options.chunk)), first + 1);
@@ -105,6 +105,8 @@ EventStats record_events(const Scene& scene, const EventOptions& options, EventS
     for (const std::vector<std::string>* lines : {&shot.warnings, &shot.notes})
       for (const std::string& note : *lines)
         if (chunk == first && told.insert(note).second) stats.notes.push_back(note);
+    if (options.labels && chunk == first)
+      for (const Mesh& mesh : shot.meshes) stats.meshes.push_back(mesh.name);
     if (!states) states.emplace(shot.projection.width, shot.projection.height);
     EventFilm film(shot, clock, options, sensor, *states);
     RenderStats render_stats;
@@ -114,20 +116,23 @@ EventStats record_events(const Scene& scene, const EventOptions& options, EventS
     if (progress) of_chunk = [&](double fraction) { return progress((done + fraction) / count); };
     Renderer(shot).render(params, {&consumer, 1}, &render_stats, of_chunk);
     // The last of a burst at the very end may be stamped later than the next chunk's first.
-    std::vector<Event> events = film.take();
-    events.insert(events.end(), late.begin(), late.end());
-    std::inplace_merge(events.begin(), events.end() - static_cast<std::ptrdiff_t>(late.size()), events.end());
+    EventBatch batch = film.take();
+    batch.append(late);
+    batch.sort();
+    std::vector<Event>& events = batch.events;
     const auto chunk_end = static_cast<int64_t>(std::floor(clock.end * 1e9));
     const auto first_late =
         chunk + 1 == after ? events.end() : std::lower_bound(events.begin(), events.end(), Event{chunk_end, 0, 0, 0});
-    late.assign(first_late, events.end());
-    events.erase(first_late, events.end());
+    late = batch.split(static_cast<size_t>(first_late - events.begin()));
     for (const Event& event : events) {
       ++(event.polarity > 0 ? stats.on : stats.off);
       stats.leak += event.kind == EventKind::leak;
       stats.shot += event.kind == EventKind::shot;
     }
-    sink.add(events);
+    if (options.labels)
+      sink.add_labelled(events, batch.labels);
+    else
+      sink.add(events);
     stats.width = states->width;
     stats.height = states->height;
     const LightCounts counts = film.counts();

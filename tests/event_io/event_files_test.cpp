@@ -1,4 +1,6 @@
 // Files of events: what is written is read again, and what is none gets one line.
+#include <array>
+#include <cstring>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -105,6 +107,36 @@ TEST(EventFiles, SayWhatIsNoise) {
   Collector collector;
   read_events(folder.path("a.npz"), collector);
   EXPECT_EQ(collector.events, events);
+}
+
+TEST(EventFiles, HoldLabelsBesideEvents) {
+  const TempFolder folder;
+  const std::vector<Event> events{{1000, 1, 2, 1, EventKind::signal}, {2000, 3, 4, -1, EventKind::signal}};
+  const std::vector<EventLabel> labels{{2, 1, 0.5f, {1, -2}, true}, {7, 7, 3, {0, 4}, false}};
+  EventFileOptions options;
+  options.labels = true;
+  EventFileWriter writer(folder.path("a.npz"), kWidth, kHeight, options);
+  writer.add_labelled(std::span(events).first(1), std::span(labels).first(1));
+  writer.add_labelled(std::span(events).subspan(1), std::span(labels).subspan(1));
+  writer.finish();
+  Collector collector;
+  read_events(folder.path("a.npz"), collector);
+  EXPECT_EQ(collector.events, events);
+  const std::string bytes = bytes_of(folder.path("a.npz"));
+  // An array begins behind the member's name, 20 bytes of sizes and a header of 128.
+  const auto holds = [&](const std::string& name, auto first, auto second) {
+    const std::array<decltype(first), 2> expected{first, second};
+    const size_t at = bytes.find(name + ".npy") + name.size() + 4 + 20 + 128;
+    ASSERT_LE(at + sizeof(expected), bytes.size()) << name;
+    EXPECT_EQ(std::memcmp(&bytes[at], expected.data(), sizeof(expected)), 0) << name;
+  };
+  holds("surface", 2u, 7u);
+  holds("behind", 1u, 7u);
+  holds("depth", 0.5f, 3.0f);
+  holds("flow_x", 1.0f, 0.0f);
+  holds("flow_y", -2.0f, 4.0f);
+  holds("edge", true, false);
+  expect_error([&] { EventFileWriter(folder.path("a.raw"), kWidth, kHeight, options); }, {"npz"}, ErrorCode::bad_usage);
 }
 
 TEST(EventFiles, AreNotThereUntilTheyAreFinished) {
