@@ -74,7 +74,7 @@ void add_event_sensor_options(CLI::App& app, EventSensor& sensor) {
 
 void add_event_file_options(CLI::App& app, EventFileOptions& file) {
   add_named<Time>(app, "--time-unit", kTimes, file.time,
-                  "Of stamps in .txt (s, us) and .npz (us, ns) (default: s and us)");
+                  "Of stamps in .txt (s, us, ns) and .npz (us, ns) (default: s and us)");
   add_named<Polarity>(app, "--polarity", kPolarities, file.polarity,
                       "0 and 1, or -1 and 1, in .txt and .npz (default: 01 and signs)");
   add_named<Header>(app, "--text-header", kHeaders, file.header,

@@ -49,6 +49,8 @@ void run_compare(const CompareArguments& arguments) {
     json["rms_us"] = difference.rms / 1000;
     json["p95_us"] = difference.p95 / 1000;
     json["most_us"] = difference.most / 1000;
+    json["brightness_mean_thresholds"] = difference.brightness_mean;
+    json["brightness_rms_thresholds"] = difference.brightness_rms;
     json["reference_pillars"] = pillars[0];
     json["pillars"] = pillars[1];
     fmt::print("{}\n", json.dump(2));
@@ -64,6 +66,8 @@ void run_compare(const CompareArguments& arguments) {
       difference.extra, percent(difference.extra));
   fmt::print("stamps differ by {:.3g} us in the median, {:.3g} us RMS, {:.3g} us in 95 of 100, {:.3g} us at most\n",
              difference.median / 1000, difference.rms / 1000, difference.p95 / 1000, difference.most / 1000);
+  fmt::print("the brightness that they claim differs by {:.3g} thresholds in the mean, {:.3g} RMS\n",
+             difference.brightness_mean, difference.brightness_rms);
   fmt::print(
       "{:.2f} % of the reference's events, and {:.2f} % of the other's, have one of the 20 busiest microseconds\n",
       100 * pillars[0], 100 * pillars[1]);

@@ -17,6 +17,10 @@ struct EventDifference {
   uint64_t missing = 0, extra = 0;     ///< of the reference's, and of the other's, without a partner
   /// Nanoseconds between partners, absolute values; 0 where there are none.
   double median = 0, rms = 0, p95 = 0, most = 0;
+  /// How far the brightness that they claim is apart, in thresholds (events that became brighter less those that became
+  /// darker): absolute values' mean and root mean square over the time from the first event to the last and over the
+  /// pixels that have any.
+  double brightness_mean = 0, brightness_rms = 0;
 };
 
 /// Both in order of time. window: nanoseconds, above 0.

@@ -24,7 +24,7 @@ struct EventFileOptions {
     e2vid,  ///< "WIDTH HEIGHT"
     v2e,    ///< lines that begin with #; a fifth column says 1 for the signal and 0 for noise
   };
-  std::optional<Time> time;          ///< of text (seconds or microseconds) and npz (not seconds); unset: as is usual
+  std::optional<Time> time;          ///< of text and npz (not seconds); unset: as is usual
   std::optional<Polarity> polarity;  ///< of text and npz; unset: as is usual
   Header header = Header::none;
   int evt = 3;           ///< of .raw: 3 or 2

@@ -74,12 +74,13 @@ void check_event_file(const std::string& path, int width, int height, const Even
   if (options.evt != 2 && options.evt != 3) refuse("of EVT there are 2 and 3");
   if (options.epoch < 0) refuse("the epoch must not be before 0");
   const bool text = ending == ".txt", npz = ending == ".npz";
-  if (options.time &&
-      ((!text && !npz) || (text && *options.time == Time::nanoseconds) || (npz && *options.time == Time::seconds)))
+  if (options.time && ((!text && !npz) || (npz && *options.time == Time::seconds)))
     refuse(
-        "times are seconds (with nine decimals) or microseconds in .txt, microseconds or nanoseconds in .npz, and "
-        "cannot be chosen in others");
+        "times are seconds (with nine decimals), microseconds or nanoseconds in .txt, microseconds or nanoseconds in "
+        ".npz, and cannot be chosen in others");
   if (options.polarity && !text && !npz) refuse("how polarity is written can be chosen for .txt and .npz alone");
+  if (text && options.time == Time::nanoseconds && options.header != EventFileOptions::Header::none)
+    refuse("a file of nanoseconds has a first line of its own, and no other header");
   if (options.labels && !npz) refuse("labels of events are of .npz alone");
   if (options.header != EventFileOptions::Header::none && !text) refuse("a header is of .txt alone");
 }

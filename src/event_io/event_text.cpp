@@ -16,19 +16,24 @@ namespace kairos {
 namespace {
 
 using Header = EventFileOptions::Header;
+using Time = EventFileOptions::Time;
+
+/// The first line of a file whose times are nanoseconds: nothing else tells them from microseconds.
+constexpr std::string_view kNanoseconds = "# time [ns], x, y, polarity";
 
 class TextWriter : public EventFileWriter::Format {
  public:
   explicit TextWriter(const EventFilePlan& plan)
       : file_(plan.path),
-        seconds_(plan.options.time.value_or(EventFileOptions::Time::seconds) == EventFileOptions::Time::seconds),
+        time_(plan.options.time.value_or(Time::seconds)),
         off_(plan.options.polarity == EventFileOptions::Polarity::signs ? "-1" : "0"),
         flags_(plan.options.header == Header::v2e) {
+    if (time_ == Time::nanoseconds) put(std::string(kNanoseconds) + '\n');
     if (plan.options.header == Header::e2vid)
       put(std::to_string(plan.width) + ' ' + std::to_string(plan.height) + '\n');
     if (plan.options.header == Header::v2e)
       put("#!events.txt\n# written by kairos " + std::string(version()) + "\n# size: " + std::to_string(plan.width) +
-          'x' + std::to_string(plan.height) + "\n# columns: time [" + (seconds_ ? "s" : "us") +
+          'x' + std::to_string(plan.height) + "\n# columns: time [" + (time_ == Time::seconds ? "s" : "us") +
           "], x, y, polarity [1 is brighter], 1 for signal and 0 for noise\n");
   }
 
@@ -36,10 +41,11 @@ class TextWriter : public EventFileWriter::Format {
     for (const Event& event : events) {
       char time[48];
       const int64_t whole = event.time / 1000000000, rest = event.time % 1000000000;
-      if (seconds_)
+      if (time_ == Time::seconds)
         std::snprintf(time, sizeof time, "%lld.%09lld", static_cast<long long>(whole), static_cast<long long>(rest));
       else
-        std::snprintf(time, sizeof time, "%lld", static_cast<long long>(microseconds(event.time)));
+        std::snprintf(time, sizeof time, "%lld",
+                      static_cast<long long>(time_ == Time::nanoseconds ? event.time : microseconds(event.time)));
       text_ += time;
       text_ += ' ' + std::to_string(event.x) + ' ' + std::to_string(event.y) + ' ' + (event.polarity > 0 ? "1" : off_);
       if (flags_) text_ += event.kind == EventKind::signal ? " 1" : " 0";
@@ -54,7 +60,7 @@ class TextWriter : public EventFileWriter::Format {
   void put(const std::string& text) { file_.write(text.data(), text.size()); }
 
   AtomicFile file_;
-  bool seconds_;
+  Time time_;
   std::string off_;
   bool flags_;
   std::string text_;
@@ -82,23 +88,25 @@ class Words {
              std::to_string(high));
     return value;
   }
-  /// Seconds where there is a point, with what comes behind nine decimals cut off, else microseconds.
-  int64_t nanoseconds() {
+  /// Seconds where there is a point, with what comes behind nine decimals cut off, else ticks.
+  int64_t nanoseconds(int64_t ns_per_tick) {
     const std::string_view word = next();
     const size_t point = word.find('.');
-    constexpr size_t kMostDigits = 9, kMostWhole = 15;
+    constexpr size_t kMostDigits = 9, kMostWhole = 15, kMostNanoseconds = 18;
     const std::string_view whole = word.substr(0, point);
     std::string digits(whole);
     if (point != std::string_view::npos) digits += word.substr(point + 1, kMostDigits);
+    const size_t most = point != std::string_view::npos ? kMostDigits
+                        : ns_per_tick == 1              ? kMostNanoseconds
+                                                        : kMostWhole;
+    if (whole.empty() || whole.size() > most) refuse("'" + std::string(word.substr(0, 40)) + "' is no time");
     int64_t value = 0;
     for (const char digit : digits) {
       if (digit < '0' || digit > '9') refuse("'" + std::string(word.substr(0, 40)) + "' is no time");
       value = value * 10 + (digit - '0');
     }
-    const size_t decimals = digits.size() - whole.size(),
-                 most = point == std::string_view::npos ? kMostWhole : kMostDigits;
-    if (whole.empty() || whole.size() > most) refuse("'" + std::string(word.substr(0, 40)) + "' is no time");
-    if (point == std::string_view::npos) return value * 1000;
+    const size_t decimals = digits.size() - whole.size();
+    if (point == std::string_view::npos) return value * ns_per_tick;
     for (size_t i = decimals; i < kMostDigits; ++i) value *= 10;
     return value;
   }
@@ -120,12 +128,14 @@ std::unique_ptr<EventFileWriter::Format> make_text_writer(const EventFilePlan& p
 EventFileFacts read_event_text(const std::string& path, std::span<const uint8_t> bytes, EventSink& sink) {
   EventFileFacts facts{"text", 0, 0};
   EventBlock block(sink);
+  int64_t ns_per_tick = 1000;
   std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   for (uint64_t number = 1; !text.empty(); ++number) {
     const size_t end = std::min(text.find('\n'), text.size());
     std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    if (number == 1 && line == kNanoseconds) ns_per_tick = 1;
     if (line.empty() || line.front() == '#') continue;
     const std::string place = path + ":" + std::to_string(number);
     if (number == 1 && std::count(line.begin(), line.end(), ' ') == 1) {
@@ -135,7 +145,7 @@ EventFileFacts read_event_text(const std::string& path, std::span<const uint8_t>
       continue;
     }
     Words words(place, line);
-    const int64_t time = words.nanoseconds();
+    const int64_t time = words.nanoseconds(ns_per_tick);
     const auto x = static_cast<uint64_t>(words.whole(0, 65535)), y = static_cast<uint64_t>(words.whole(0, 65535));
     const bool on = words.whole(-1, 1) > 0;
     const bool noise = words.next() == "0";

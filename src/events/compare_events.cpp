@@ -24,6 +24,41 @@ int order(const Event& a, const Event& b) {
   return left < right ? -1 : right < left ? 1 : 0;
 }
 
+/// The claimed brightness of a pixel is a staircase in each stream; their difference is one, too.
+void compare_brightness(std::span<const Event> reference, std::span<const Event> events, EventDifference& result) {
+  struct Step {
+    int32_t y, x;
+    int64_t time;
+    int change;
+  };
+  std::vector<Step> steps;
+  steps.reserve(reference.size() + events.size());
+  for (const Event& event : reference) steps.push_back({event.y, event.x, event.time, -event.polarity});
+  for (const Event& event : events) steps.push_back({event.y, event.x, event.time, event.polarity});
+  if (steps.empty()) return;
+  const auto [first, last] =
+      std::minmax_element(steps.begin(), steps.end(), [](const Step& a, const Step& b) { return a.time < b.time; });
+  const int64_t end = last->time;
+  const auto length = static_cast<double>(end - first->time);
+  if (!(length > 0)) return;
+  std::sort(steps.begin(), steps.end(),
+            [](const Step& a, const Step& b) { return std::tuple(a.y, a.x, a.time) < std::tuple(b.y, b.x, b.time); });
+  double sum = 0, squares = 0, pixels = 0, apart = 0;
+  for (size_t i = 0; i < steps.size(); ++i) {
+    const bool is_last =
+        i + 1 == steps.size() || std::tie(steps[i].y, steps[i].x) != std::tie(steps[i + 1].y, steps[i + 1].x);
+    apart += steps[i].change;
+    const double share = static_cast<double>((is_last ? end : steps[i + 1].time) - steps[i].time) / length;
+    sum += std::abs(apart) * share;
+    squares += apart * apart * share;
+    if (!is_last) continue;
+    ++pixels;
+    apart = 0;
+  }
+  result.brightness_mean = sum / pixels;
+  result.brightness_rms = std::sqrt(squares / pixels);
+}
+
 }  // namespace
 
 EventDifference compare_events(std::span<const Event> reference, std::span<const Event> events, int64_t window) {
@@ -31,6 +66,7 @@ EventDifference compare_events(std::span<const Event> reference, std::span<const
   EventDifference result;
   result.reference = wanted.size();
   result.events = given.size();
+  compare_brightness(reference, events, result);
   std::vector<double> apart;
   for (size_t i = 0, j = 0; i < wanted.size() || j < given.size();) {
     const int first = i == wanted.size() ? 1 : j == given.size() ? -1 : order(wanted[i], given[j]);

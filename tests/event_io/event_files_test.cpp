@@ -75,6 +75,7 @@ TEST(EventFiles, OfAllKindsHoldWhatWasWrittenToTheMicrosecond) {
          o.header = EventFileOptions::Header::e2vid;
        })},
       {"c.txt", with([](auto& o) { o.header = EventFileOptions::Header::v2e; }), true, false},
+      {"d.txt", with([](auto& o) { o.time = EventFileOptions::Time::nanoseconds; }), true, false},
       {"a.raw", {}},
       {"b.raw", with([](auto& o) { o.evt = 2; })},
       {"a.h5", with([](auto& o) { o.duration = 40000000000; }), false, false},
@@ -196,9 +197,12 @@ TEST(EventFiles, WhatCannotBeIsRefused) {
   expect_error(writer("a.aedat", 300, 200), {"346x260"}, ErrorCode::bad_usage);
   EventFileOptions options;
   options.time = EventFileOptions::Time::nanoseconds;
-  expect_error(writer("a.txt", 10, 10, options), {"seconds"}, ErrorCode::bad_usage);
+  expect_error(writer("a.raw", 10, 10, options), {"seconds"}, ErrorCode::bad_usage);
+  options.header = EventFileOptions::Header::e2vid;
+  expect_error(writer("a.txt", 10, 10, options), {"first line"}, ErrorCode::bad_usage);
   Collector collector;
   expect_error([&] { read_events(folder.write("a.txt", "0.5 1 2 1\n0.6 1 x 1\n"), collector); }, {"a.txt:2", "'x'"});
+  expect_error([&] { read_events(folder.write("b.txt", std::string(40, '9') + " 1 2 1\n"), collector); }, {"no time"});
   expect_error([&] { read_events(folder.write("a.npz", "PK"), collector); }, {"archive"});
 }
 

@@ -471,6 +471,11 @@ TEST(Events, AreComparedInTheirOrderWithinAWindow) {
   EXPECT_EQ(difference.median, 3000);  // of 1, 3, 5 and 7 microseconds
   EXPECT_EQ(difference.most, 7000);
   EXPECT_NEAR(difference.rms, std::sqrt(21.0) * 1000, 1e-6);
+  // Of 89.9 ms, in pixel 1 one event for 3, 7 and 5 us; in pixel 2 two from 250 us on, but one for 1 us at 50 ms.
+  const double span = 89900, second = 2 * (50000 - 250) + 1 + 2 * (90000 - 50001);
+  EXPECT_NEAR(difference.brightness_mean, (15 + second) / span / 2, 1e-9);
+  const double squares = 4 * (50000 - 250) + 1 + 4 * (90000 - 50001);
+  EXPECT_NEAR(difference.brightness_rms, std::sqrt((15 + squares) / span / 2), 1e-9);
   EXPECT_EQ(pillar_share(other), 1);  // all of them, of so few
 }
 
