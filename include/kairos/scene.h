@@ -28,6 +28,7 @@ struct TextureRef {
   uint32_t uv_set = 0;  ///< which of a mesh's sets of texture coordinates: 0 is Mesh::uvs
   std::array<Vec3f, 2> placement{Vec3f{1, 0, 0}, Vec3f{0, 1, 0}};  ///< rows: (u, v, 1) to the picture's u and v
   std::array<TextureWrap, 2> wrap{};                               ///< along u and v
+  bool nearest = false;  ///< where its texels are wider than pixels: in squares, not smooth between their centres
 
   friend bool operator==(const TextureRef&, const TextureRef&) = default;
 

@@ -60,7 +60,8 @@ class HeldRenderer {
   std::map<const Shot*, Renderer> renderers_;
 };
 
-void write(const py::dict& values, const std::string& path, bool half, const std::string& view, double exposure) {
+void write_picture(const py::dict& values, const std::string& path, bool half, const std::string& view,
+                   double exposure) {
   const Image image = image_from(values);
   WriteOptions options;
   options.half = half;
@@ -101,7 +102,7 @@ void bind_render(py::module_& module) {
     return writer.values;
   });
   module.def("shows_light", [](const HeldShot& held) { return reflects_light(held.shot()); });
-  module.def("write_image", &write);
+  module.def("write_image", &write_picture);
   module.def("read_image", &read_picture);
   module.def("difference", [](const py::dict& reference, const py::dict& image) {
     const Difference found = difference(image_from(reference), image_from(image), "image");

@@ -18,6 +18,7 @@ void texture_fields(F& f, T& texture) {
   f("uv_set", texture.uv_set);
   f("placement", texture.placement);
   f("wrap", texture.wrap);
+  f("nearest", texture.nearest);
 }
 
 }  // namespace

@@ -140,6 +140,13 @@ Pixels Texture::half_of(const Pixels& level) const {
   return half;
 }
 
+Texel Texture::containing(const Pixels& level, Vec2f uv, std::array<TextureWrap, 2> wrap) const {
+  const auto place = [](float along, int size, TextureWrap how) {
+    return wrapped(static_cast<int>(std::floor(along * static_cast<float>(size))), size, how);
+  };
+  return texel(level, place(uv.x, level.width, wrap[0]), place(uv.y, level.height, wrap[1]));
+}
+
 Texel Texture::bilinear(const Pixels& level, Vec2f uv, std::array<TextureWrap, 2> wrap) const {
   const float across = uv.x * static_cast<float>(level.width) - 0.5f,
               down = uv.y * static_cast<float>(level.height) - 0.5f;
@@ -156,8 +163,9 @@ Texel Texture::bilinear(const Pixels& level, Vec2f uv, std::array<TextureWrap, 2
   return {mix(a.colour, b.colour, c.colour, d.colour), mix(a.alpha, b.alpha, c.alpha, d.alpha)};
 }
 
-Texel Texture::at(Vec2f uv, float footprint, std::array<TextureWrap, 2> wrap) const {
+Texel Texture::at(Vec2f uv, float footprint, std::array<TextureWrap, 2> wrap, bool nearest) const {
   uv = {inside(uv.x, wrap[0]), inside(uv.y, wrap[1])};
+  if (nearest && footprint <= 1) return containing(levels_.front(), uv, wrap);
   const auto coarsest = static_cast<float>(levels_.size() - 1);
   const float level = footprint > 1 ? std::min(std::log2(footprint), coarsest) : 0;
   const auto fine = static_cast<size_t>(level);

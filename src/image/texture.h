@@ -30,8 +30,9 @@ class Texture {
 
   /// uv: (0, 0) is the picture's upper left corner, (1, 1) its lower right one. footprint: how wide a piece to average
   /// over, in texels of the picture; at most 1 gives the picture itself. wrap: along u and v. Bilinear in the two
-  /// nearest levels of the pyramid, linear between them.
-  Texel at(Vec2f uv, float footprint, std::array<TextureWrap, 2> wrap = {}) const;
+  /// nearest levels of the pyramid, linear between them; with `nearest`, a footprint of at most 1 gives the texel that
+  /// uv lies in.
+  Texel at(Vec2f uv, float footprint, std::array<TextureWrap, 2> wrap = {}, bool nearest = false) const;
 
   int width() const { return levels_.front().width; }
   int height() const { return levels_.front().height; }
@@ -40,6 +41,7 @@ class Texture {
 
  private:
   Texel texel(const Pixels& level, int x, int y) const;
+  Texel containing(const Pixels& level, Vec2f uv, std::array<TextureWrap, 2> wrap) const;
   Texel bilinear(const Pixels& level, Vec2f uv, std::array<TextureWrap, 2> wrap) const;
   Pixels half_of(const Pixels& level) const;
   void store(Pixels& level, size_t index, const Texel& value) const;

@@ -40,16 +40,14 @@ auto with_bytes(const Scene& scene, const std::string& name, const Use& use) {
   return use(std::span<const uint8_t>(bytes));
 }
 
-/// Does `work`, and keeps what goes wrong.
+/// Does `work`, and keeps what goes wrong with the picture. Where memory ends, nothing is left out: the program does.
 template <class Work>
-void attempt(const std::string& name, Slot& slot, const Work& work) {
+void attempt(Slot& slot, const Work& work) {
   try {
     work();
   } catch (const Error& e) {
     slot.failure = e.what();
     slot.code = e.code();
-  } catch (const std::bad_alloc&) {
-    slot.failure = name + ": needs more memory than there is";
   }
 }
 
@@ -66,8 +64,7 @@ void read(const Scene& scene, Slots& slots, MemoryBudget& budget) {
   for (auto& slot : slots) all.push_back(&slot);
   const auto for_each = [&](const auto& work) {
     parallel_for(all.size(), 1, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i)
-        attempt(all[i]->first.first, all[i]->second, [&] { work(all[i]->first, all[i]->second); });
+      for (size_t i = begin; i < end; ++i) attempt(all[i]->second, [&] { work(all[i]->first, all[i]->second); });
     });
   };
   const auto is_decoded = [&](const Key& key) { return scene.pictures.count(key.first) > 0; };

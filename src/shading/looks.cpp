@@ -32,7 +32,7 @@ class Looks::Point {
 
   Texel look_up(const Slot& slot) {
     move_to(slot);
-    return slot.texture->at(uv_, footprint(*slot.texture), slot.ref->wrap);
+    return slot.texture->at(uv_, footprint(*slot.texture), slot.ref->wrap, slot.ref->nearest);
   }
 
   /// Of the last picture looked up.

@@ -147,6 +147,7 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--frame", "0"},
                                                        {"--frames", "0-1"},
                                                        {"--part", "1/2"},
+                                                       {"--checkpoint", "60"},
                                                        {"--fps", "24"},
                                                        {"--shutter", "-0.25,0.25"},
                                                        {"--rolling", "top:20ms"},

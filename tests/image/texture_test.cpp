@@ -67,6 +67,17 @@ TEST(Texture, BeyondItsEdgesItRepeatsStopsOrTurnsBack) {
   EXPECT_FLOAT_EQ(texture.at({-3, 0.5f}, 1e9f, {TextureWrap::clamp, TextureWrap::clamp}).colour.x, 1.5f);
   EXPECT_TRUE(std::isfinite(texture.at({NAN, INFINITY}, NAN, {TextureWrap::clamp, TextureWrap::mirror}).colour.x));
 
+  // In squares, each texel up to its own edges, as long as it is wider than a pixel.
+  const auto square = [&](float x, TextureWrap wrap, float footprint = 1) {
+    return texture.at({x / 4, 0.5f}, footprint, {wrap, TextureWrap::repeat}, true).colour.x;
+  };
+  for (const float x : {0.01f, 0.5f, 0.99f, 4.5f, -3.5f}) EXPECT_EQ(square(x, TextureWrap::repeat), 0) << x;
+  for (const float x : {3.01f, 3.99f, 4.0f, 9.0f}) EXPECT_EQ(square(x, TextureWrap::clamp), 3) << x;
+  EXPECT_EQ(square(-1.5f, TextureWrap::mirror), 1);
+  EXPECT_EQ(square(1.9f, TextureWrap::repeat, 0), 1);
+  EXPECT_EQ(square(1, TextureWrap::repeat, 2), at(1, TextureWrap::repeat, 2));
+  EXPECT_TRUE(std::isfinite(texture.at({NAN, INFINITY}, 1, {TextureWrap::clamp, TextureWrap::mirror}, true).colour.x));
+
   Shot shot;
   shot.materials.resize(1);
   shot.materials[0].base_color = {1, 1, 1};
@@ -78,6 +89,10 @@ TEST(Texture, BeyondItsEdgesItRepeatsStopsOrTurnsBack) {
   mesh.uvs = {{1.5f, 0.5f}, {1.5f, 0.5f}, {1.5f, 0.5f}};
   shot.meshes = {mesh};
   EXPECT_EQ(Looks(shot).at(0, 0, {}, {1, 0, 0}, 0).base_colour.x, 3);
+  shot.meshes[0].uvs = {{0.26f, 0.5f}, {0.26f, 0.5f}, {0.26f, 0.5f}};
+  EXPECT_LT(Looks(shot).at(0, 0, {}, {1, 0, 0}, 0).base_colour.x, 1);
+  shot.materials[0].base_color_texture.nearest = true;
+  EXPECT_EQ(Looks(shot).at(0, 0, {}, {1, 0, 0}, 0).base_colour.x, 1);
 }
 
 TEST(Texture, FarAwayItIsItsMeanLight) {

@@ -119,6 +119,12 @@ TEST(GltfTexture, SamplersSayWhatLiesBeyondTheEdges) {
   gltf.root["textures"][0]["sampler"] = 0;
   gltf.root["samplers"] = nlohmann::json::array({{{"wrapS", 33071}, {"wrapT", 33648}}});
   EXPECT_EQ(wraps(), (Wraps{TextureWrap::clamp, TextureWrap::mirror}));
+  EXPECT_FALSE(parse(gltf).materials[0].base_color_texture.nearest);
+  gltf.root["samplers"][0]["magFilter"] = 9728;
+  EXPECT_TRUE(parse(gltf).materials[0].base_color_texture.nearest);
+  EXPECT_THAT(parse(gltf).warnings, testing::IsEmpty());
+  gltf.root["samplers"][0]["magFilter"] = 9729;
+  EXPECT_FALSE(parse(gltf).materials[0].base_color_texture.nearest);
   gltf.root["samplers"][0] = nlohmann::json::object();
   EXPECT_EQ(wraps(), (Wraps{TextureWrap::repeat, TextureWrap::repeat}));
 }

@@ -48,12 +48,13 @@ TEST_F(Native, PicturesLieWhereTheyAreTold) {
     return load(R"({"kairos": 1, "materials": {"m": {)" + fields + "}}}").materials.at(1);
   };
   const Material m = read(R"("normal_texture": {"file": "n.png", "uv_set": 1, "placement": [2, 0, 0.5, 0, 3, 1],
-                             "wrap": ["clamp", "mirror"]}, "normal_scale": -0.5, "unlit": true, "specular": 0.25,
+                             "wrap": ["clamp", "mirror"], "nearest": true}, "normal_scale": -0.5, "unlit": true, "specular": 0.25,
                              "specular_color": [1, 0.5, 0], "clearcoat": 0.75, "clearcoat_roughness": 0.125)");
   EXPECT_EQ(m.normal_texture.picture, folder_.path("n.png"));
   EXPECT_EQ(m.normal_texture.uv_set, 1u);
   EXPECT_EQ(m.normal_texture.place({0.5f, 1}), (Vec2f{1.5f, 4}));
   EXPECT_EQ(m.normal_texture.wrap, (std::array{TextureWrap::clamp, TextureWrap::mirror}));
+  EXPECT_TRUE(m.normal_texture.nearest);
   EXPECT_EQ(m.normal_scale, -0.5f);
   EXPECT_TRUE(m.unlit);
   EXPECT_EQ(m.specular, 0.25f);

@@ -50,5 +50,22 @@ TEST_F(OutOfMemory, AnyLimitIsOneLineAndStatusOne) {
   }
 }
 
+TEST_F(OutOfMemory, NoPictureIsLeftOutForIt) {
+  // 8000 x 8000 black texels of a TGA, which take more than all else.
+  write("large.tga", std::string("\0\0\2\0\0\0\0\0\0\0\0\0\x40\x1f\x40\x1f\x18\0", 18));
+  std::filesystem::resize_file(path("large.tga"), 18 + 3 * 8000 * 8000);
+  write("quad.mtl", "newmtl wall\nmap_Kd large.tga\n");
+  write("quad.obj", "mtllib quad.mtl\nusemtl wall\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
+  int failed = 0;
+  for (const size_t kilobytes : {400'000, 450'000, 500'000, 600'000, 4'000'000}) {
+    const CliResult result =
+        run("render quad.obj -o a.exr --size 16x16 --spp 1 --integrator qmc --shading flat", limit(kilobytes));
+    if (result.status != 0) ++failed;
+    EXPECT_EQ(result.err.find("left out"), std::string::npos) << kilobytes << " kB: " << result.err;
+  }
+  EXPECT_GE(failed, 1);
+  EXPECT_LE(failed, 4);
+}
+
 }  // namespace
 }  // namespace kairos

@@ -70,6 +70,7 @@ struct Image {
 
 struct Sampler {
   int wrapS = 10497, wrapT = 10497;
+  bool nearest = false;  ///< magFilter
 };
 
 struct Texture {

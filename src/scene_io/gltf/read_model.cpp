@@ -117,10 +117,7 @@ Sampler read_sampler(Members& m) {
   sampler.wrapT = m.index("wrapT", sampler.wrapT);
   m.pass("minFilter");  // rays average over a pixel's width
   constexpr int kNearest = 9728;
-  const json* magnified = m.peek("magFilter");
-  if (magnified && *magnified == kNearest)
-    m.lose("magFilter", "pictures that want to be seen in squares (NEAREST) are smooth");
-  m.pass("magFilter");
+  sampler.nearest = m.index("magFilter") == kNearest;
   return sampler;
 }
 

@@ -103,6 +103,7 @@ TextureRef read_texture(Document& document, const file::TextureInfo& info, const
   if (texture.sampler >= 0 && static_cast<size_t>(texture.sampler) < samplers.size()) {
     const file::Sampler& sampler = samplers[static_cast<size_t>(texture.sampler)];
     result.wrap = {wrap_of(sampler.wrapS), wrap_of(sampler.wrapT)};
+    result.nearest = sampler.nearest;
   }
   return result;
 }

@@ -57,7 +57,7 @@ TextureRef read_texture_ref(const JsonNode& node, const FindPicture& find_pictur
   }
   constexpr int kMostUvSets = 8;
   constexpr double kMost = 1e6;
-  node.expect_fields({"file", "uv_set", "placement", "wrap"});
+  node.expect_fields({"file", "uv_set", "placement", "wrap", "nearest"});
   texture.picture = find_picture(node.at("file"));
   if (const auto set = node.find("uv_set")) texture.uv_set = static_cast<uint32_t>(set->integer(0, kMostUvSets - 1));
   if (const auto placement = node.find("placement")) {
@@ -71,6 +71,7 @@ TextureRef read_texture_ref(const JsonNode& node, const FindPicture& find_pictur
     const std::vector<JsonNode> both = wrap->items(2);
     texture.wrap = {read_wrap(both[0]), read_wrap(both[1])};
   }
+  if (const auto nearest = node.find("nearest")) texture.nearest = nearest->boolean();
   return texture;
 }
 
