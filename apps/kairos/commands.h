@@ -22,6 +22,7 @@ void add_expose_command(CLI::App& app, Action& chosen, const std::string& comman
 void add_flow_command(CLI::App& app, Action& chosen, const std::string& command_line);
 void add_dataset_command(CLI::App& app, Action& chosen, const std::string& command_line);
 void add_check_command(CLI::App& app, Action& chosen);
+void add_convert_command(CLI::App& app, Action& chosen);
 void add_merge_command(CLI::App& app, Action& chosen);
 void add_jobs_command(CLI::App& app, Action& chosen);
 /// Added last: it tells shells of the others.

@@ -65,6 +65,7 @@ int run(int argc, char** argv) {
   kairos::cli::add_info_command(app, chosen);
   kairos::cli::add_compare_command(app, chosen);
   kairos::cli::add_check_command(app, chosen);
+  kairos::cli::add_convert_command(app, chosen);
   kairos::cli::add_events_command(app, chosen, command_line);
   kairos::cli::add_study_command(app, chosen, command_line);
   kairos::cli::add_completion_command(app, chosen);

@@ -10,8 +10,8 @@
 #include <kairos/error.h>
 
 #include "base/atomic_file.h"
+#include "base/scratch_file.h"
 #include "event_io/event_format.h"
-#include "event_io/scratch_file.h"
 
 namespace kairos {
 

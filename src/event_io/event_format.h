@@ -9,6 +9,8 @@
 
 #include <kairos/event_file.h>
 
+#include "base/little_endian.h"
+
 namespace kairos {
 
 /// Takes events in order, and finishes the file.
@@ -73,18 +75,5 @@ class EventBlock {
   EventSink& sink_;
   std::vector<Event> events_;
 };
-
-/// Of numbers in files, least significant byte first. The caller has checked that they are there.
-template <class Number>
-Number read_little(const uint8_t* bytes) {
-  Number value = 0;
-  for (size_t i = 0; i < sizeof(Number); ++i) value |= static_cast<Number>(static_cast<Number>(bytes[i]) << (8 * i));
-  return value;
-}
-template <class Number>
-void put_little(std::vector<uint8_t>& out, Number value) {
-  for (size_t i = 0; i < sizeof(Number); ++i)
-    out.push_back(static_cast<uint8_t>(static_cast<uint64_t>(value) >> (8 * i)));
-}
 
 }  // namespace kairos

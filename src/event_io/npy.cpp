@@ -13,7 +13,7 @@ namespace kairos {
 
 namespace {
 
-constexpr std::string_view kMagic{"\x93NUMPY\x01\x00", 8};
+constexpr std::string_view kMagic = "\x93NUMPY";
 constexpr size_t kPreamble = 10;  // magic, version, length of the rest of the header
 
 /// What stands behind 'key': in the dictionary, up to a comma or the brace that ends it, but for those in brackets.
@@ -33,14 +33,6 @@ std::string value_of(std::string_view text, std::string_view key) {
 }
 
 }  // namespace
-
-std::string npy_header(const std::string& descr, uint64_t count) {
-  std::string text = "{'descr': " + descr + ", 'fortran_order': False, 'shape': (" + std::to_string(count) + ",), }";
-  text.resize(kNpyHeader - kPreamble - 1, ' ');
-  text += '\n';
-  const std::string length{static_cast<char>(text.size()), 0};
-  return std::string(kMagic) + length + text;
-}
 
 size_t npy_item_size(const std::string& descr) {
   static constexpr std::array<std::pair<std::string_view, size_t>, 12> kSizes{{
@@ -64,7 +56,7 @@ size_t npy_item_size(const std::string& descr) {
 
 NpyArray parse_npy(const std::string& place, std::span<const uint8_t> bytes) {
   const auto refuse = [&](const std::string& why) { throw Error(ErrorCode::bad_input, place, why); };
-  if (bytes.size() < kPreamble || !std::equal(kMagic.begin(), kMagic.begin() + 6, bytes.begin(),
+  if (bytes.size() < kPreamble || !std::equal(kMagic.begin(), kMagic.end(), bytes.begin(),
                                               [](char a, uint8_t b) { return static_cast<uint8_t>(a) == b; }))
     refuse("is no numpy array");
   const bool is_long = bytes[6] >= 2;  // later versions have longer headers

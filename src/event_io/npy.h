@@ -1,4 +1,4 @@
-// Headers of numpy's array files.
+// numpy's array files of events, and reading arrays.
 #pragma once
 
 #include <cstdint>
@@ -6,11 +6,6 @@
 #include <string>
 
 namespace kairos {
-
-/// Of a one-dimensional array, always of kNpyHeader bytes, so that it can be written again when its length is known.
-inline constexpr size_t kNpyHeader = 128;
-/// descr: as numpy writes it, such as '<i8' with its quotes.
-std::string npy_header(const std::string& descr, uint64_t count);
 
 /// Metavision's event, of 16 bytes; numpy names the two that are left empty.
 inline constexpr const char* kNpyEvents = "[('x','<u2'),('y','<u2'),('p','<i2'),('','|V2'),('t','<i8')]";

@@ -1,4 +1,8 @@
-// kairos render --time, expose, check and info of what it writes.
+// kairos render --time; expose, convert, check and info of what it writes.
+#include <algorithm>
+#include <array>
+#include <cstring>
+
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -131,6 +135,54 @@ TEST_F(CliTime, GoesOnWithAPart) {
   write("out.ktime.part", whole);
   EXPECT_THAT(refusal(render, 1), HasSubstr("of another rendering"));
   EXPECT_EQ(read(path("out.ktime")), whole) << "what was there stays";
+}
+
+/// The numbers of an array of an archive (docs/time.md, "For numpy"), which holds nothing compressed.
+template <class Number>
+std::vector<Number> numbers(const std::string& archive, const std::string& name, const std::string& shape) {
+  const size_t begin = archive.find("NUMPY", archive.find(name + ".npy"));
+  const size_t data = archive.find('\n', begin) + 1, next = archive.find("PK\3\4", data);
+  EXPECT_THAT(archive.substr(begin, data - begin), HasSubstr("'shape': " + shape)) << name;
+  std::vector<Number> out((std::min(next, archive.find("PK\1\2", data)) - data) / sizeof(Number));
+  std::memcpy(out.data(), &archive[data], out.size() * sizeof(Number));
+  return out;
+}
+
+TEST_F(CliTime, ArraysOfNumpyExposeAsTheFileDoes) {
+  // Coded, whose pieces slope.
+  ok(std::string(kRender) + "--shutter 0,10 --size 100x70 --crop 10,97,5,66 --time all.ktime");
+  ok("expose all.ktime --quiet -o exposed.exr --aov coverage --shutter 2.5,5");
+  ok("convert all.ktime -o all.npz --quiet");
+  const std::string archive = read(path("all.npz"));
+  EXPECT_EQ(numbers<int32_t>(archive, "size", "(2,)"), (std::vector<int32_t>{87, 61}));
+  EXPECT_EQ(numbers<int32_t>(archive, "frame", "(4,)"), (std::vector<int32_t>{100, 70, 10, 5}));
+  EXPECT_EQ(numbers<double>(archive, "shutter", "(2,)"), (std::vector<double>{0, 1}));
+  const auto offsets = numbers<int64_t>(archive, "offsets", "(5308,)");
+  ASSERT_EQ(offsets.size(), 5308u);
+  const std::string count = std::to_string(offsets.back());
+  const auto begin = numbers<double>(archive, "begin", "(" + count + ",)");
+  const auto end = numbers<double>(archive, "end", "(" + count + ",)");
+  const auto left = numbers<float>(archive, "left", "(" + count + ", 4)");
+  const auto right = numbers<float>(archive, "right", "(" + count + ", 4)");
+  const Image exposed = image("exposed.exr");
+  double most = 0;
+  for (size_t c = 0; c < 4; ++c) {
+    const auto& values = exposed.find(std::array{"R", "G", "B", "coverage.A"}[c])->values;
+    for (size_t pixel = 0; pixel + 1 < offsets.size(); ++pixel) {
+      double mean = 0;
+      for (auto i = static_cast<size_t>(offsets[pixel]); i < static_cast<size_t>(offsets[pixel + 1]); ++i) {
+        const double from = std::clamp(begin[i], 0.25, 0.5), to = std::clamp(end[i], 0.25, 0.5);
+        const double place = ((from + to) / 2 - begin[i]) / (end[i] - begin[i]);
+        const double first = left[4 * i + c], last = right[4 * i + c];
+        mean += (to - from) / 0.25 * (first + (last - first) * place);
+      }
+      most = std::max(most, std::abs(mean - static_cast<double>(values[pixel])));
+    }
+  }
+  EXPECT_LT(most, 1e-5);
+  EXPECT_THAT(refusal("convert all.ktime -o all.exr", 2), HasSubstr(".npz"));
+  EXPECT_THAT(refusal("convert scene.json -o bad.npz", 1), HasSubstr("scene.json"));
+  EXPECT_FALSE(exists("bad.npz"));
 }
 
 TEST_F(CliTime, SaysWhatIsInAFile) {

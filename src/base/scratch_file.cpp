@@ -1,4 +1,4 @@
-#include "event_io/scratch_file.h"
+#include "base/scratch_file.h"
 
 #include <cerrno>
 #include <cstdlib>
