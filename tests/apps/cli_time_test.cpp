@@ -227,8 +227,9 @@ TEST_F(CliTime, WritesFlow) {
   ok(flow + "--to 1s -o forward.exr --occlusion hidden.png");
   ok(flow + "--from 10 --to 0 -o backward.exr");
   const auto mean = [&](const std::string& name, const char* channel) {
+    const Image flow_image = image(name);  // lives as long as the loop
     double sum = 0;
-    for (const float value : image(name).find(channel)->values) sum += static_cast<double>(value);
+    for (const float value : flow_image.find(channel)->values) sum += static_cast<double>(value);
     return sum;
   };
   EXPECT_GT(mean("forward.exr", "flow.u"), 1);
