@@ -1,4 +1,4 @@
-// Files of events: what people's loaders read. docs/event-files.md.
+// Files of events: what people's loaders read. docs/events.md.
 #pragma once
 
 #include <cstdint>
