@@ -8,7 +8,6 @@
 
 #include "arguments.h"
 #include "commands.h"
-#include "frames.h"
 #include "quoted.h"
 
 namespace kairos::cli {
@@ -38,12 +37,6 @@ std::vector<std::string> merge_arguments(const JobsArguments& arguments) {
   return words;
 }
 
-/// Frames that are not divided need no merging.
-bool merges(const JobsArguments& arguments) {
-  const std::string frames = value_of(arguments.render, {"--frames"});
-  return frames.empty() || parse_frames("--frames", frames).count() < arguments.parts;
-}
-
 std::string shell_line(const std::vector<std::string>& words) {
   std::string line = "kairos";
   for (const std::string& word : words) line += " " + quoted(word);
@@ -67,16 +60,15 @@ END_OF_PART
 echo "parts: job $parts"
 )",
                                    arguments.parts, folder, shell_line(render));
-  if (merges(arguments))
-    script += fmt::format(
-        R"(merged=$(sbatch --parsable --job-name=kairos-merge --dependency="afterok:$parts" --chdir={} <<'END_OF_MERGE'
+  script += fmt::format(
+      R"(merged=$(sbatch --parsable --job-name=kairos-merge --dependency="afterok:$parts" --chdir={} <<'END_OF_MERGE'
 #!/bin/sh
 exec {}
 END_OF_MERGE
 )
 echo "merge: job $merged"
 )",
-        folder, shell_line(merge_arguments(arguments)));
+      folder, shell_line(merge_arguments(arguments)));
   return script;
 }
 
@@ -106,9 +98,8 @@ steps:
 )",
                                  arguments.parts);
   text += openjd_action(render, true, arguments.parts);
-  if (merges(arguments))
-    text += "- name: Merge\n  dependencies:\n  - dependsOn: Render\n  script:\n" +
-            openjd_action(merge_arguments(arguments), false, arguments.parts);
+  text += "- name: Merge\n  dependencies:\n  - dependsOn: Render\n  script:\n" +
+          openjd_action(merge_arguments(arguments), false, arguments.parts);
   return text;
 }
 

@@ -1,5 +1,10 @@
 // kairos merge: parts of a picture in, the picture out.
+#include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
 
 #include <kairos/image.h>
 
@@ -20,6 +25,11 @@ struct MergeArguments {
 };
 
 void merge(const MergeArguments& arguments, const std::string& out) {
+  // Merged before; or a frame of a sequence that was not divided.
+  if (std::filesystem::is_regular_file(out) && !std::filesystem::exists(parts_folder(out))) {
+    if (!arguments.quiet) log(out + " is there already, and has no parts");
+    return;
+  }
   check_writable_image(out);
   const MergedPicture merged = merge_parts(out);
   write_interruptibly(merged.image, out, merged.write);

@@ -155,15 +155,6 @@ int merge(const Job& job) {
   return Run(job.kairos, arguments).ended(true).value_or(false) ? 0 : kFailed;
 }
 
-/// Frames that no part divides are written whole.
-bool needs_merging(const Job& job) {
-  const size_t dash = job.frames.find('-');
-  if (job.frames.empty()) return true;
-  const int frames =
-      dash == std::string::npos ? 1 : std::atoi(job.frames.c_str() + dash + 1) - std::atoi(job.frames.c_str()) + 1;
-  return job.parts > frames;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -180,7 +171,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "kairos-mpi: %d of %d parts failed; their messages are above. Run it again for those alone\n",
                  failures, job.parts);
     status = kFailed;
-  } else if (needs_merging(job)) {
+  } else {
     status = merge(job);
   }
   MPI_Finalize();
