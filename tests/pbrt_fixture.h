@@ -61,4 +61,22 @@ class PbrtTest : public testing::Test {
   TempFolder folder_;
 };
 
+/// Two pictures, and what surfaces are made of.
+class PbrtSurface : public PbrtTest {
+ protected:
+  PbrtSurface() {
+    folder_.write("a.png", "");
+    folder_.write("leaf.png", "");
+  }
+  const Material& material_of(const std::string& statements) {
+    scene_ = load_world(statements + "\n" + kTextured);
+    return scene_.materials.at(scene_.meshes.at(0).material);
+  }
+  static void expect_color(Vec3f a, Vec3d b) { expect_near(to_double(a), b, 1e-6); }
+
+  static constexpr const char* kTextured =
+      "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] \"float uv\" [0 0 1 0 0 1]";
+  Scene scene_;
+};
+
 }  // namespace kairos

@@ -169,8 +169,8 @@ def check_references():
             count += 1
     check(count >= 3, f"only {count} references to the method")
     for path in re.findall(r"`((?:src|include|tools|docs|fuzz|tests)/[\w./-]+)`", "\n".join(p.read_text() for p in pages)):
-        placeholder = "NAME" in path or "FORMAT" in path
-        check(placeholder or (root / path).exists(), f"{path} is named but not there")
+        of_many = "NAME" in path or "FORMAT" in path  # what the page calls any of them
+        check(of_many or (root / path).exists(), f"{path} is named but not there")
 
 
 checks = {"commands": check_commands, "programs": check_programs, "python": check_python, "options": check_options, "references": check_references}
