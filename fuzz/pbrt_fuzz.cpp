@@ -67,7 +67,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       }
       for (const kairos::SceneCamera& camera : scene.cameras) camera.motion->at(time, kairos::Side::after);
     }
-    if (!((*scene.shutter)[0] < (*scene.shutter)[1])) std::abort();
+    if (!((*scene.shutter)[0] <= (*scene.shutter)[1])) std::abort();  // equal: a still frame
     for (const kairos::Material& material : scene.materials)
       if (!is_finite(material.base_color) || !is_finite(material.emission) || !(material.roughness <= 1)) std::abort();
   } catch (const kairos::Error&) {
