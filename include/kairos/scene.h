@@ -1,9 +1,11 @@
 // A scene as files describe it, and one opening of the shutter on it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,7 +30,9 @@ struct TextureRef {
   uint32_t uv_set = 0;  ///< which of a mesh's sets of texture coordinates: 0 is Mesh::uvs
   std::array<Vec3f, 2> placement{Vec3f{1, 0, 0}, Vec3f{0, 1, 0}};  ///< rows: (u, v, 1) to the picture's u and v
   std::array<TextureWrap, 2> wrap{};                               ///< along u and v
-  bool nearest = false;  ///< where its texels are wider than pixels: in squares, not smooth between their centres
+  /// Where its texels are wider than pixels: in squares, or smooth between their centres. Not said: in squares where it
+  /// has 16 texels at most (a few colours next to each other, not to be mixed), else smooth.
+  std::optional<bool> nearest = false;
 
   friend bool operator==(const TextureRef&, const TextureRef&) = default;
 
@@ -61,7 +65,8 @@ struct Material {
   /// Otherwise sight and light meet only the front. A surface with transmission is the border of what it encloses, and
   /// is there from both sides all the same.
   bool double_sided = true;
-  bool one_sided_emission = false;   ///< only the front shines
+  bool one_sided_emission = false;  ///< only the front shines
+  bool lamp = false;  ///< is there to shine, as pbrt's area lights are: flat shading shows its light alone
   bool emits_where_cut_out = false;  ///< what alpha takes away lights others all the same, though nobody sees it
   bool unlit = false;                ///< its base colour is what is seen of it, in any light; it shines on nothing
   // Pictures that multiply the values above. Base colour and alpha are multiplied by Mesh::colors, too.
@@ -238,7 +243,14 @@ struct Shot {
   /// What rays from the camera see beyond everything, in place of the background and of environments' pictures; what is
   /// mirrored or refracted sees those all the same.
   std::optional<Vec3f> backdrop;
-  Vec3f seen_background() const { return backdrop.value_or(background); }  ///< by rays from the camera
+  Vec3f seen_background() const { return limited(backdrop.value_or(background)); }  ///< by rays from the camera
+  /// Above 0. What is brighter in some component is darkened as a whole, sample by sample, before it counts in a pixel:
+  /// pbrt-v4's maxcomponentvalue. Light itself is not limited.
+  float brightest = std::numeric_limits<float>::infinity();
+  Vec3f limited(Vec3f colour) const {
+    const float most = std::max({colour.x, colour.y, colour.z});
+    return most > brightest ? colour * (brightest / most) : colour;
+  }
   Projection projection;
   double shutter_open = 0, shutter_close = 1;  ///< scene time; equal for a still frame
   /// Rotation camera space -> world space (columns) at a shutter time, for normals; identity columns in world space.

@@ -101,7 +101,8 @@ class Texture:
     picture: a file, the name of one of make_scene's pictures, or an array (H, W, 3) or (H, W, 4): uint8 or uint16 hold
     sRGB codes, float32 linear values. uv_set: which of a mesh's sets of texture coordinates. placement: two rows, that
     make the picture's u and v of (u, v, 1). wrap: what the picture shows beyond its edges, along u and v.
-    nearest: where its texels are wider than pixels, they are squares, not smooth between their centres.
+    nearest: where its texels are wider than pixels, they are squares, not smooth between their centres; None: squares
+    where the picture has 16 texels at most.
 
     >>> Texture(np.zeros((4, 8, 3), np.uint8)).wrap
     ('repeat', 'repeat')
@@ -111,7 +112,7 @@ class Texture:
     uv_set: int = 0
     placement: tuple[Triple, Triple] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     wrap: tuple[Wrap, Wrap] = ("repeat", "repeat")
-    nearest: bool = False
+    nearest: Optional[bool] = False
 
 
 @dataclass(eq=False)
@@ -143,6 +144,7 @@ class Material:
     alpha_cutoff: float = 0.5
     double_sided: bool = True
     one_sided_emission: bool = False
+    lamp: bool = False
     emits_where_cut_out: bool = False
     unlit: bool = False
     base_color_texture: Union[None, Texture, str, npt.NDArray[Any]] = None

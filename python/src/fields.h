@@ -28,6 +28,7 @@ void material_fields(F& f, M& m) {
   f("alpha_cutoff", m.alpha_cutoff);
   f("double_sided", m.double_sided);
   f("one_sided_emission", m.one_sided_emission);
+  f("lamp", m.lamp);
   f("emits_where_cut_out", m.emits_where_cut_out);
   f("unlit", m.unlit);
   f("base_color_texture", m.base_color_texture);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <kairos/error.h>
+#include <kairos/printable.h>
 
 #include "base/file.h"
 #include "base/parallel.h"
@@ -111,6 +112,36 @@ void read(const Scene& scene, Slots& slots, MemoryBudget& budget) {
   });
 }
 
+/// One note of all meshes that lack the coordinates which a picture of their material takes; an error if strict.
+void report_missing_coordinates(const Scene& scene, const std::vector<MaterialTextures>& textures, bool strict,
+                                std::vector<std::string>& notes) {
+  std::string first;
+  size_t meshes = 0;
+  for (const SceneMesh& mesh : scene.meshes) {
+    if (mesh.material >= textures.size()) continue;
+    const Material& m = scene.materials[mesh.material];
+    const MaterialTextures& t = textures[mesh.material];
+    const auto lacks = [&](const std::shared_ptr<const Texture>& texture, const TextureRef& ref) {
+      const size_t set = ref.uv_set;
+      const bool is_there =
+          set == 0 ? !mesh.uvs.empty() : set <= mesh.more_uvs.size() && !mesh.more_uvs[set - 1].empty();
+      if (!texture || is_there) return false;
+      if (meshes == 0)
+        first = fmt::format("mesh '{}' has no texture coordinates (set {}) for '{}'", printable(mesh.name), set,
+                            printable(ref.picture));
+      return true;
+    };
+    if (lacks(t.base_color, m.base_color_texture) || lacks(t.emission, m.emission_texture) ||
+        lacks(t.metallic_roughness, m.metallic_roughness_texture) || lacks(t.alpha, m.alpha_texture) ||
+        lacks(t.normal, m.normal_texture))
+      ++meshes;
+  }
+  if (meshes == 0) return;
+  if (meshes > 1) first += fmt::format(", nor have {} other meshes for theirs", meshes - 1);
+  if (strict) throw Error(ErrorCode::bad_input, "", first);
+  notes.push_back("texture left out: " + first);
+}
+
 }  // namespace
 
 std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_only, bool strict, MemoryBudget& budget,
@@ -154,6 +185,7 @@ std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_on
                       find(material.metallic_roughness_texture, Texture::Encoding::linear),
                       find(material.alpha_texture, Texture::Encoding::linear),
                       find(material.normal_texture, Texture::Encoding::linear)});
+  report_missing_coordinates(scene, result, strict, notes);
   return result;
 }
 

@@ -15,8 +15,9 @@ namespace kairos {
 /// as one that cannot be read.
 ///
 /// [material]; the pictures of those that a mesh has, each read once, however many materials use it. One that cannot be
-/// read is left out with a note; with `strict` it throws Error(io) or Error(bad_input). cut_outs_only: none but those
-/// with the alpha of what is cut out or blended. Empty when there is nothing to read.
+/// read is left out with a note, as one is on meshes without the coordinates it takes; with `strict` both throw
+/// Error(io) or Error(bad_input). cut_outs_only: none but those with the alpha of what is cut out or blended. Empty
+/// when there is nothing to read.
 std::vector<MaterialTextures> load_textures(const Scene& scene, bool cut_outs_only, bool strict, MemoryBudget& budget,
                                             std::vector<std::string>& notes);
 

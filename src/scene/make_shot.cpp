@@ -210,6 +210,7 @@ Shot make_shot_here(const Scene& scene, const ShotOptions& options) {
   const View view(camera, shot.projection, options.space, window);
   shot.materials = scene.materials;
   shot.background = scene.background;
+  shot.brightest = scene.brightest;
   shot.shutter_open = window.open;
   shot.shutter_close = window.close;
   shot.world_from_camera = view.world_from_camera();

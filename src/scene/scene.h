@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -57,8 +58,9 @@ struct Scene {
   bool brings_lights = false;
   std::vector<SceneAnimation> animations;  ///< those the files hold, played or not
   Vec3f background{0, 0, 0};
-  std::optional<std::array<double, 2>> shutter;  ///< open, close in scene time; unset: see make_shot
-  std::optional<std::array<int, 2>> image_size;  ///< width, height
+  float brightest = std::numeric_limits<float>::infinity();  ///< see Shot
+  std::optional<std::array<double, 2>> shutter;              ///< open, close in scene time; unset: see make_shot
+  std::optional<std::array<int, 2>> image_size;              ///< width, height
   double fps = 24;                    ///< frames per unit of scene time, where the shutter is given in frames
   std::vector<std::string> warnings;  ///< one line each
   std::vector<std::string> notes;     ///< one line each, for the log: what was chosen for whoever did not choose

@@ -107,6 +107,7 @@ void validate_shot(const Shot& shot) {
   require(shot.moving_lights.empty() || shot.moving_lights.size() == shot.lights.size(), "moving lights",
           "the shot needs as many entries as it has lights, or none");
   require(is_finite(shot.background), "background", "is not finite");
+  require(shot.brightest > 0, "brightest", "is not above 0");
   require(!shot.backdrop || is_finite(*shot.backdrop), "backdrop", "is not finite");
   require(shot.projection.width > 0 && shot.projection.height > 0, "projection",
           "shows nothing: it needs a positive width and height in pixels");

@@ -168,6 +168,7 @@ void append_scene(Scene& scene, Scene other) {
   move_append(scene.warnings, other.warnings);
   move_append(scene.notes, other.notes);
   if (scene.background == Vec3f{}) scene.background = other.background;
+  scene.brightest = std::min(scene.brightest, other.brightest);
   if (!scene.shutter) scene.shutter = other.shutter;
   if (!scene.image_size) scene.image_size = other.image_size;
 }

@@ -20,6 +20,12 @@ double texels_per_uv(const Texture& texture) {
   return std::sqrt(static_cast<double>(texture.width()) * texture.height());
 }
 
+/// A few colours next to each other (TextureRef::nearest).
+bool is_swatches(const Texture& texture) {
+  constexpr int64_t kMostTexels = 16;
+  return static_cast<int64_t>(texture.width()) * texture.height() <= kMostTexels;
+}
+
 }  // namespace
 
 /// A point of a triangle on the pictures of its material. Most materials have all of their pictures lie in the same
@@ -32,7 +38,7 @@ class Looks::Point {
 
   Texel look_up(const Slot& slot) {
     move_to(slot);
-    return slot.texture->at(uv_, footprint(*slot.texture), slot.ref->wrap, slot.ref->nearest);
+    return slot.texture->at(uv_, footprint(*slot.texture), slot.ref->wrap, slot.nearest);
   }
 
   /// Of the last picture looked up.
@@ -72,7 +78,8 @@ Looks::Looks(const Shot& shot) : shot_(shot) {
       const MaterialTextures& textures = shot.textures[mesh.material];
       const auto slot = [&](const std::shared_ptr<const Texture>& texture, const TextureRef& ref) -> Slot {
         const std::vector<Vec2f>& uvs = mesh.uv_set(ref.uv_set);
-        return texture && !uvs.empty() ? Slot{texture.get(), &ref, &uvs} : Slot{};
+        if (!texture || uvs.empty()) return {};
+        return {texture.get(), &ref, &uvs, ref.nearest.value_or(is_swatches(*texture))};
       };
       entry.base_color = slot(textures.base_color, material.base_color_texture);
       entry.emission = slot(textures.emission, material.emission_texture);

@@ -58,6 +58,7 @@ class Looks {
     const Texture* texture = nullptr;  // nullptr for none
     const TextureRef* ref = nullptr;
     const std::vector<Vec2f>* uvs = nullptr;
+    bool nearest = false;
   };
   struct Entry {
     const Material* material;

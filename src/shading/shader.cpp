@@ -57,7 +57,8 @@ Vec3f Shader::sky(const Ray& ray, float time) const {
   if (!has_sky()) return shot_.seen_background();
   const std::array<Vec3d, 3> axes = world_from_camera_.at(time);
   const Vec3d along = normalize(to_double(ray.direction));
-  return shot_.background + sky_->radiance(axes[0] * along.x + axes[1] * along.y + axes[2] * along.z, cone_.spread());
+  return shot_.limited(shot_.background +
+                       sky_->radiance(axes[0] * along.x + axes[1] * along.y + axes[2] * along.z, cone_.spread()));
 }
 
 Look Shader::look(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, double& width) const {
@@ -88,12 +89,14 @@ Shade Shader::shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time
     case ShadingKind::bounds_exact:
     case ShadingKind::flat:
       shade.colour = seen.base_colour;
-      if (!looks_->material(mesh).unlit && shines(ray, mesh, triangle, time)) shade.colour += seen.emission;
+      if (const Material& material = looks_->material(mesh); !material.unlit && shines(ray, mesh, triangle, time))
+        shade.colour = material.lamp ? seen.emission : shade.colour + seen.emission;
       break;
     case ShadingKind::whitted:
       shade.colour = whitted_->radiance(ray, mesh, triangle, time, width, key);
       break;
   }
+  shade.colour = shot_.limited(shade.colour);
   return shade;
 }
 

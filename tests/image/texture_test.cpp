@@ -93,6 +93,14 @@ TEST(Texture, BeyondItsEdgesItRepeatsStopsOrTurnsBack) {
   EXPECT_LT(Looks(shot).at(0, 0, {}, {1, 0, 0}, 0).base_colour.x, 1);
   shot.materials[0].base_color_texture.nearest = true;
   EXPECT_EQ(Looks(shot).at(0, 0, {}, {1, 0, 0}, 0).base_colour.x, 1);
+  // Where nobody says, a few colours next to each other are not mixed, and what could be a picture is smooth.
+  shot.materials[0].base_color_texture.nearest = std::nullopt;
+  EXPECT_EQ(Looks(shot).at(0, 0, {}, {1, 0, 0}, 0).base_colour.x, 1);
+  std::vector<float> many(17, 0.0f);
+  many[4] = 1;
+  shot.textures[0].base_color = std::make_shared<const Texture>(grey(17, 1, many), Texture::Encoding::linear);
+  EXPECT_GT(Looks(shot).at(0, 0, {}, {1, 0, 0}, 0).base_colour.x, 0.1f);
+  EXPECT_LT(Looks(shot).at(0, 0, {}, {1, 0, 0}, 0).base_colour.x, 0.99f);
 }
 
 TEST(Texture, FarAwayItIsItsMeanLight) {

@@ -131,6 +131,22 @@ TEST(LoadTextures, BesideANativeFile) {
   EXPECT_TRUE(make_shot(*load_scene({path}), without).textures.empty());
 }
 
+TEST(LoadTextures, MeshesWithoutThePicturesCoordinatesAreNamed) {
+  const TempFolder folder;
+  folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  red_png(folder);
+  const auto scene = [&](const std::string& set) {
+    return load_scene({folder.write("scene.json", R"({"kairos": 1, "meshes": [{"keys": ["a.obj"], "material": "m"},
+      {"keys": ["a.obj"], "material": "m"}], "materials": {"m": {"base_color_texture": {"file": "red.png", "uv_set": )" +
+                                                      set + "}}}}")});
+  };
+  EXPECT_THAT(make_shot(*scene("3")).notes,
+              testing::Contains(testing::AllOf(HasSubstr("(set 3) for"), HasSubstr("red.png"), HasSubstr("1 other"))));
+  ShotOptions strict;
+  strict.strict = true;
+  expect_error([&] { make_shot(*scene("0"), strict); }, {"no texture coordinates", "red.png"});
+}
+
 TEST(LoadTextures, WhatCannotBeReadIsLeftOutWithOneNote) {
   const TempFolder folder;
   GltfBuilder gltf;

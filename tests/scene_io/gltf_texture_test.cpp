@@ -114,17 +114,19 @@ TEST(GltfTexture, NormalPicturesComeWithTheirScaleAndTangents) {
 TEST(GltfTexture, SamplersSayWhatLiesBeyondTheEdges) {
   GltfBuilder gltf = textured();
   using Wraps = std::array<TextureWrap, 2>;
+  const auto nearest = [&] { return parse(gltf).materials[0].base_color_texture.nearest; };
+  EXPECT_EQ(nearest(), std::nullopt);
   const auto wraps = [&] { return parse(gltf).materials[0].base_color_texture.wrap; };
   EXPECT_EQ(wraps(), (Wraps{TextureWrap::repeat, TextureWrap::repeat}));
   gltf.root["textures"][0]["sampler"] = 0;
   gltf.root["samplers"] = nlohmann::json::array({{{"wrapS", 33071}, {"wrapT", 33648}}});
   EXPECT_EQ(wraps(), (Wraps{TextureWrap::clamp, TextureWrap::mirror}));
-  EXPECT_FALSE(parse(gltf).materials[0].base_color_texture.nearest);
+  EXPECT_EQ(nearest(), std::nullopt);
   gltf.root["samplers"][0]["magFilter"] = 9728;
-  EXPECT_TRUE(parse(gltf).materials[0].base_color_texture.nearest);
+  EXPECT_EQ(nearest(), true);
   EXPECT_THAT(parse(gltf).warnings, testing::IsEmpty());
   gltf.root["samplers"][0]["magFilter"] = 9729;
-  EXPECT_FALSE(parse(gltf).materials[0].base_color_texture.nearest);
+  EXPECT_EQ(nearest(), false);
   gltf.root["samplers"][0] = nlohmann::json::object();
   EXPECT_EQ(wraps(), (Wraps{TextureWrap::repeat, TextureWrap::repeat}));
 }

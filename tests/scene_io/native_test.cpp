@@ -49,14 +49,17 @@ TEST_F(Native, PicturesLieWhereTheyAreTold) {
   };
   const Material m = read(R"("normal_texture": {"file": "n.png", "uv_set": 1, "placement": [2, 0, 0.5, 0, 3, 1],
                              "wrap": ["clamp", "mirror"], "nearest": true}, "normal_scale": -0.5, "unlit": true, "specular": 0.25,
-                             "specular_color": [1, 0.5, 0], "clearcoat": 0.75, "clearcoat_roughness": 0.125)");
+                             "specular_color": [1, 0.5, 0], "clearcoat": 0.75, "clearcoat_roughness": 0.125,
+                             "one_sided_emission": true, "lamp": true)");
   EXPECT_EQ(m.normal_texture.picture, folder_.path("n.png"));
   EXPECT_EQ(m.normal_texture.uv_set, 1u);
   EXPECT_EQ(m.normal_texture.place({0.5f, 1}), (Vec2f{1.5f, 4}));
   EXPECT_EQ(m.normal_texture.wrap, (std::array{TextureWrap::clamp, TextureWrap::mirror}));
-  EXPECT_TRUE(m.normal_texture.nearest);
+  EXPECT_EQ(m.normal_texture.nearest, true);
   EXPECT_EQ(m.normal_scale, -0.5f);
   EXPECT_TRUE(m.unlit);
+  EXPECT_TRUE(m.one_sided_emission);
+  EXPECT_TRUE(m.lamp);
   EXPECT_EQ(m.specular, 0.25f);
   EXPECT_EQ(m.specular_color, (Vec3f{1, 0.5f, 0}));
   EXPECT_EQ(m.clearcoat, 0.75f);

@@ -29,6 +29,8 @@ TEST_F(PbrtLight, AreaLightsShineFromTheirFronts) {
   EXPECT_TRUE(light("").one_sided_emission);
   EXPECT_FALSE(light("\"bool twosided\" true").one_sided_emission);
   EXPECT_FALSE(material_of("").one_sided_emission);
+  EXPECT_TRUE(light("\"bool twosided\" true").lamp);
+  EXPECT_FALSE(material_of("").lamp);
   // The front is where the normals point.
   light("", "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] \"normal N\" [0 0 -1 0 0 -1 0 0 -1]");
   EXPECT_LT(geometric_normal(scene_.meshes[0]).z, 0);
@@ -93,8 +95,41 @@ TEST_F(PbrtLight, TheFilmMakesLightsBrighter) {
   EXPECT_EQ(film("\"float shutterclose\" 0", "\"rgb\"", 1), 1);
   EXPECT_EQ(film("", "\"image\" \"float maxsampleluminance\" 5", 1), 1);
   EXPECT_THAT(scene_.warnings[0], HasSubstr("'maxsampleluminance' is left out"));
-  film("", "\"rgb\" \"float maxcomponentvalue\" 5 \"float frobs\" 2 \"string sensor\" \"canon_eos_5d\"", 3);
+  film("", "\"rgb\" \"float maxcomponentvalue\" 5 \"float frobs\" 2 \"string sensor\" \"canon_eos_5d\"", 2);
+  EXPECT_EQ(make_shot(scene_).brightest, 5);
   EXPECT_THAT(scene_.warnings, Contains(HasSubstr("parameter 'frobs' of film 'rgb' is left out")));
+}
+
+TEST_F(PbrtLight, LightsMove) {
+  const std::string statements =
+      "TransformTimes 1 3\nWorldBegin\nAttributeBegin\nActiveTransform EndTime Translate 0 8 0 Rotate 90 0 0 1 "
+      "ActiveTransform "
+      "All\n"
+      "LightSource \"spot\" \"point from\" [1 0 0] \"point to\" [2 0 0]\n"
+      "LightSource \"infinite\"\nAttributeEnd LightSource \"point\" \"point from\" [1 0 0]";
+  const auto moving = [&](const std::string& before) {
+    scene_ = load(before + "Camera \"perspective\" \"float shutterclose\" 3\n" + statements);
+    EXPECT_THAT(scene_.warnings, ElementsAre(HasSubstr("a light that moves stays where it starts")));
+    const Shot shot = make_shot(scene_);
+    EXPECT_EQ(shot.moving_lights.size(), 3u);
+    EXPECT_FALSE(shot.moving_lights.at(1));
+    EXPECT_TRUE(std::holds_alternative<PointLight>(shot.lights.at(2)));
+    return shot.moving_lights.at(0);
+  };
+  const auto at = [](const std::function<Light(double)>& light, double time) {
+    return std::get<SpotLight>(light(time));
+  };
+  const double side = std::sqrt(0.5);
+  for (const bool mirrored : {false, true}) {
+    // A camera from a mirrored space leaves the world as it is written; from any other the world is mirrored in x.
+    const double x = mirrored ? 1 : -1;
+    const auto light = moving(mirrored ? "Scale -1 1 1\n" : "");
+    expect_near(to_double(at(light, 1.0 / 3).position), {x, 0, 0}, 1e-6);
+    expect_near(to_double(at(light, 1.0 / 3).direction), {x, 0, 0}, 1e-6);
+    expect_near(to_double(at(light, 2.0 / 3).position), {x * side, 4 + side, 0}, 1e-5);
+    expect_near(to_double(at(light, 2.0 / 3).direction), {x * side, side, 0}, 1e-6);
+    expect_near(to_double(at(light, 1).position), {0, 9, 0}, 1e-5);
+  }
 }
 
 TEST_F(PbrtLight, ALightsMatrixMayProject) {

@@ -80,6 +80,28 @@ TEST(Whitted, ALampMayShineFromItsFrontAlone) {
     const Shader shader(behind, kind, false, 8, scene);
     EXPECT_EQ(shader.shade(on_lamp, 1, 0, 0.5f, {}).colour.x, 0);
   }
+  // What is there to shine shows its light alone where light is not asked for, and its own colour from behind.
+  Shot flat = shot(down, true, false);
+  const auto flat_colour = [&] {
+    return Shader(flat, ShadingKind::flat, false, 8, std::make_shared<const DiscreteScene>(flat.meshes))
+        .shade(on_lamp, 1, 0, 0.5f, {})
+        .colour.x;
+  };
+  flat.materials[1].base_color = {0.25f, 0.25f, 0.25f};
+  EXPECT_EQ(flat_colour(), 5.25f);
+  flat.materials[1].lamp = true;
+  EXPECT_EQ(flat_colour(), 5);
+  flat.meshes[1] = up;
+  EXPECT_EQ(flat_colour(), 0.25f);
+  // A film's limit darkens what is seen, and keeps its hue; light is not limited.
+  Shot limited = shot(down, true, false);
+  limited.materials[1].emission = {8, 2, 4};
+  limited.background = {0, 6, 3};
+  limited.brightest = 2;
+  const Shader shader(limited, ShadingKind::whitted, false, 8, std::make_shared<const DiscreteScene>(limited.meshes));
+  EXPECT_EQ(shader.shade(on_lamp, 1, 0, 0.5f, {}).colour, (Vec3f{2, 0.5f, 1}));
+  EXPECT_EQ(limited.seen_background(), (Vec3f{0, 2, 1}));
+  EXPECT_NEAR(seen(limited, on_floor, kMany).x, 8 / 5.0f * lit, 1e-3);
   // One that is cut out lights the floor as if it were there.
   EXPECT_EQ(seen(shot(down, true, true), on_floor, kMany).x, lit);
 }

@@ -70,7 +70,7 @@ struct Image {
 
 struct Sampler {
   int wrapS = 10497, wrapT = 10497;
-  bool nearest = false;  ///< magFilter
+  std::optional<bool> nearest;  ///< magFilter
 };
 
 struct Texture {

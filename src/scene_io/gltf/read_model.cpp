@@ -117,7 +117,7 @@ Sampler read_sampler(Members& m) {
   sampler.wrapT = m.index("wrapT", sampler.wrapT);
   m.pass("minFilter");  // rays average over a pixel's width
   constexpr int kNearest = 9728;
-  sampler.nearest = m.index("magFilter") == kNearest;
+  if (const int filter = m.index("magFilter"); filter >= 0) sampler.nearest = filter == kNearest;
   return sampler;
 }
 

@@ -96,6 +96,7 @@ TextureRef read_texture(Document& document, const file::TextureInfo& info, const
     return {};
   }
   TextureRef result;
+  result.nearest = std::nullopt;  // what glTF calls "auto filtering"
   result.picture = picture_of(document, static_cast<size_t>(texture.source), scene, warnings);
   result.uv_set = static_cast<uint32_t>(info.texCoord);
   if (info.transform) result.placement = placement_of(*info.transform);

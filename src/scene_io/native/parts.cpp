@@ -22,6 +22,10 @@ void read_if(const JsonNode& node, const char* field, Vec3f& out) {
   if (const auto value = node.find(field)) out = value->color();
 }
 
+void read_if(const JsonNode& node, const char* field, bool& out) {
+  if (const auto value = node.find(field)) out = value->boolean();
+}
+
 /// Unless the mode is given, a cut-off makes a mask, and an alpha of its own something blended.
 void read_alpha(const JsonNode& node, Material& material) {
   using Mode = Material::AlphaMode;
@@ -100,7 +104,9 @@ Material read_material(const std::string& name, const JsonNode& node, const Find
                       "specular_color",
                       "clearcoat",
                       "clearcoat_roughness",
-                      "unlit"});
+                      "unlit",
+                      "one_sided_emission",
+                      "lamp"});
   Material material;
   material.name = name;
   read_if(node, "base_color", material.base_color);
@@ -114,7 +120,9 @@ Material read_material(const std::string& name, const JsonNode& node, const Find
   read_if(node, "clearcoat", material.clearcoat, 0, 1);
   read_if(node, "clearcoat_roughness", material.clearcoat_roughness, 0, 1);
   read_if(node, "normal_scale", material.normal_scale, -kSteepest, kSteepest);
-  if (const auto unlit = node.find("unlit")) material.unlit = unlit->boolean();
+  read_if(node, "unlit", material.unlit);
+  read_if(node, "one_sided_emission", material.one_sided_emission);
+  read_if(node, "lamp", material.lamp);
   const auto read_texture = [&](const char* field, TextureRef& out) {
     if (const auto texture = node.find(field)) out = read_texture_ref(*texture, find_picture);
   };
@@ -122,7 +130,7 @@ Material read_material(const std::string& name, const JsonNode& node, const Find
   read_texture("emission_texture", material.emission_texture);
   read_texture("metallic_roughness_texture", material.metallic_roughness_texture);
   read_alpha(node, material);
-  if (const auto sides = node.find("double_sided")) material.double_sided = sides->boolean();
+  read_if(node, "double_sided", material.double_sided);
   read_texture("alpha_texture", material.alpha_texture);
   read_texture("normal_texture", material.normal_texture);
   return material;

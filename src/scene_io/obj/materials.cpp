@@ -228,6 +228,7 @@ class MtlParser {
   /// Takes "-option value ..." from the front of what is left of a line, and says where the picture lies.
   TextureRef read_options(std::string_view& rest) {
     TextureRef texture;
+    texture.nearest = std::nullopt;
     Vec2f scale{1, 1}, offset{0, 0};
     const auto placed = [&] {
       // MTL counts from a picture's lower edge, we from the upper.

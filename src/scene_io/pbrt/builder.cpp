@@ -123,6 +123,7 @@ void Builder::light(const std::string& kind, const Parameters& parameters) {
   }
   const auto source = read_light(kind, parameters, transform.pair(), textures.spectrum());
   if (!source) return;
+  if (source->moves) light_paths_[scene_.lights.size()] = transform.path(times_);
   scene_.lights.push_back(source->light);
   scene_.background = scene_.background + source->background;
 }
@@ -283,7 +284,6 @@ void Builder::add_mesh(const Use& use, const TransformPath& outside, SceneLooks&
     take_triangles(geometry.triangles.size(), look.place);
     charge_copy(geometry, look.place);
   }
-  looks.check_coordinates(look, geometry);
   SceneMesh mesh;
   mesh.name = use.name;
   mesh.triangles = geometry.triangles;
@@ -315,6 +315,7 @@ void Builder::add_mesh(const Use& use, const TransformPath& outside, SceneLooks&
 /// pbrt multiplies what its film has seen; here what is seen shines that much more.
 void Builder::expose(const Camera& camera) {
   if (!film_) return;
+  scene_.brightest = std::max(static_cast<float>(film_->brightest), std::numeric_limits<float>::min());
   const float factor = film_factor(*film_, camera.shutter, warnings);
   if (factor == 1) return;
   for (Light& light : scene_.lights) scale_light(light, factor);
@@ -332,18 +333,25 @@ Scene Builder::finish() {
   TransformPath outside;
   if (mirror) {
     outside = TransformPath(AnimatedTransform(scaling({-1, 1, 1})));
-    for (Light& light : scene_.lights) mirror_in_x(light);
+    for (size_t i = 0; i < scene_.lights.size(); ++i)
+      if (light_paths_.count(i) == 0) mirror_in_x(scene_.lights[i]);
   }
   if (camera_ || film_) scene_.image_size = film_.value_or(Film{}).size;
   if (camera_) scene_.cameras.push_back(make_camera(camera, *scene_.image_size, warnings));
   scene_.shutter = camera.shutter;
-  SceneLooks looks(scene_.materials, warnings);
+  SceneLooks looks(scene_.materials);
   QuadricMeshes quadrics(screen_);
   scene_.meshes.reserve(uses_.size());
   for (const Use& use : uses_) add_mesh(use, outside, looks, quadrics);
   if (scene_.materials.empty()) scene_.materials.push_back(Materials::none_given().material);
   scene_.pictures = textures.take_pictures();
   expose(camera);
+  for (const auto& [index, path] : light_paths_) {
+    Light& light = scene_.lights[index];
+    const auto motion = std::make_shared<const LightMotion>(outside.then(path));
+    scene_.moving_lights[index] = {light, motion};
+    light = placed(light, motion->at(scene_.shutter->front(), Side::after));
+  }
   scene_.warnings = warnings.lines();
   return std::move(scene_);
 }

@@ -103,6 +103,7 @@ class Builder {
   std::vector<SavedTransform> saved_transforms_;
   std::vector<Attributes> saved_attributes_;
   std::array<double, 2> times_{0, 1};
+  std::map<size_t, TransformPath> light_paths_;  ///< of lights that move, by their places in the scene's
   std::optional<Camera> camera_;
   std::optional<Film> film_;
   std::map<std::string, std::vector<Use>> objects_;

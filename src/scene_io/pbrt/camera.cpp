@@ -77,6 +77,7 @@ Camera read_camera(const std::string& kind, const Parameters& parameters, const 
 
 Film read_film(const std::string& kind, const Parameters& parameters, Warnings& warnings) {
   constexpr int64_t kMaxSide = 65536;
+  constexpr double kNoLimit = std::numeric_limits<double>::infinity();
   Film film;
   film.place = parameters.place();
   const int64_t width = parameters.integer("xresolution", 1280), height = parameters.integer("yresolution", 720);
@@ -85,9 +86,9 @@ Film read_film(const std::string& kind, const Parameters& parameters, Warnings& 
   film.size = {static_cast<int>(width), static_cast<int>(height)};
   for (const char* crop : {"cropwindow", "pixelbounds"})
     if (parameters.find(crop)) warnings.add(parameters.place(), "the film's crop is left out: see --crop");
-  for (const char* most : {"maxcomponentvalue", "maxsampleluminance"})
-    if (parameters.find(most))
-      warnings.add(parameters.place(), "'" + std::string(most) + "' is left out: nothing is made darker");
+  if (const double most = parameters.number("maxcomponentvalue", kNoLimit); most > 0) film.brightest = most;
+  if (parameters.find("maxsampleluminance"))
+    warnings.add(parameters.place(), "'maxsampleluminance' is left out: nothing is made darker");
   for (const char* passed_over : {"filename", "diagonal", "savefp16"}) parameters.find(passed_over);
   film.is_exposed = kind == "rgb" || kind == "gbuffer" || kind == "spectral";
   film.scale = std::max(0.0, parameters.number("scale", 1));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -38,6 +39,7 @@ struct Film {
   double scale = 1;                    ///< of every pixel
   bool is_exposed = false;             ///< pbrt-v4: brightness is in proportion to how long the shutter is open
   std::optional<double> exposure;      ///< how long, where the film itself says so
+  double brightest = std::numeric_limits<double>::infinity();  ///< component of what a ray sees, once it is exposed
 };
 
 /// kind: "rgb", "gbuffer" or "spectral" for pbrt-v4, others for v3.

@@ -101,9 +101,11 @@ void mirror_in_x(Light& light) {
 
 std::optional<LightSource> read_light(const std::string& kind, const Parameters& parameters,
                                       const TransformPair& world_from_light, SpectrumContext& context) {
-  const Mat4& matrix = world_from_light.start;
-  if (world_from_light.start != world_from_light.end)
-    context.warnings.add(parameters.place(), "a light that moves stays where it starts");
+  const bool changes = world_from_light.start != world_from_light.end;
+  const bool moves = changes && kind != "infinite" && kind != "exinfinite" && !projects(world_from_light.start) &&
+                     !projects(world_from_light.end);
+  const Mat4 matrix = moves ? Mat4{} : world_from_light.start;
+  if (changes && !moves) context.warnings.add(parameters.place(), "a light that moves stays where it starts");
   for (const char* passed_over : {"samples", "nsamples"}) parameters.find(passed_over);
   std::optional<LightSource> source;
   if (kind == "spot") {
@@ -126,6 +128,7 @@ std::optional<LightSource> read_light(const std::string& kind, const Parameters&
     return std::nullopt;
   }
   parameters.warn_unused("light '" + kind + "'", context.warnings);
+  source->moves = moves;
   return source;
 }
 

@@ -13,14 +13,15 @@ namespace kairos::pbrt {
 
 struct LightSource {
   Light light;
-  Vec3f background;  ///< what of it is seen directly
+  Vec3f background;    ///< what of it is seen directly
+  bool moves = false;  ///< the light is in the statement's own space, not in the world
 };
 
 /// What a mirror across the plane x = 0 makes of a light.
 void mirror_in_x(Light& light);
 
 /// Reads a LightSource statement. Nothing, with a warning, for a kind that is not known; a warning where a light's
-/// shape or picture is lost.
+/// shape or picture is lost, or its motion: an environment's, or one through transforms that project.
 std::optional<LightSource> read_light(const std::string& kind, const Parameters& parameters,
                                       const TransformPair& world_from_light, SpectrumContext& context);
 

@@ -2,11 +2,6 @@
 
 namespace kairos::pbrt {
 
-void SceneLooks::check_coordinates(const Look& look, const Geometry& geometry) {
-  const bool textured = !look.surface->material.base_color_texture.empty() || !look.alpha.image.empty();
-  if (textured && geometry.uvs.empty()) warnings_.add(look.place, "a textured mesh has no texture coordinates");
-}
-
 uint32_t SceneLooks::material_of(const Look& look, Vec3f emitted) {
   const Alpha& alpha = look.alpha;
   const bool one_sided = look.light && !look.light->two_sided;
@@ -19,6 +14,7 @@ uint32_t SceneLooks::material_of(const Look& look, Vec3f emitted) {
   if (look.surface->invisible) material.base_color = {};
   material.emission = emitted;
   material.one_sided_emission = one_sided;
+  material.lamp = look.light != nullptr;
   if (look.light && alpha.value == 0) {  // pbrt-v4's invisible lights
     material.alpha = 0;
     material.alpha_mode = Material::AlphaMode::mask;

@@ -30,21 +30,19 @@ struct Look {
 /// Makes materials of looks, once all of a file is read; equal ones become one.
 class SceneLooks {
  public:
-  SceneLooks(std::vector<Material>& materials, Warnings& warnings) : materials_(materials), warnings_(warnings) {}
+  explicit SceneLooks(std::vector<Material>& materials) : materials_(materials) {}
 
   /// Nobody sees it, and it lights nothing: there is no need for it.
   static bool is_nothing(const Look& look) { return !look.light && (look.alpha.value == 0 || look.surface->invisible); }
 
   /// Its material's index. emitted: radiance of the shape's light, or black.
   uint32_t material_of(const Look& look, Vec3f emitted);
-  void check_coordinates(const Look& look, const Geometry& geometry);
 
  private:
   using Key = std::tuple<std::shared_ptr<const Surface>, std::array<float, 3>, bool, bool, std::string,
                          std::array<float, 6>, TextureWrap, double>;
 
   std::vector<Material>& materials_;
-  Warnings& warnings_;
   std::map<Key, uint32_t> indices_;
 };
 

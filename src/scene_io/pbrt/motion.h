@@ -102,4 +102,16 @@ class CameraMotion final : public TransformMotion {
   TransformPath path_;
 };
 
+/// A light.
+class LightMotion final : public TransformMotion {
+ public:
+  explicit LightMotion(TransformPath world_from_light) : path_(std::move(world_from_light)) {}
+  bool is_static(double open, double close) const override { return path_.is_static(open, close); }
+  std::vector<double> kinks(double open, double close) const override { return path_.kinks(open, close); }
+  Mat4 at(double time, Side side) const override { return path_.at(time, side); }
+
+ private:
+  TransformPath path_;
+};
+
 }  // namespace kairos::pbrt
