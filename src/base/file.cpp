@@ -1,6 +1,7 @@
 #include "base/file.h"
 
 #include <array>
+#include <cerrno>
 #include <cstddef>
 #include <cstdio>
 #include <filesystem>
@@ -11,8 +12,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <kairos/error.h>
 #include <kairos/printable.h>
+#include <kairos/temporary_error.h>
+
+#include "base/system_error.h"
 
 namespace kairos {
 
@@ -24,8 +27,9 @@ std::vector<uint8_t> read_file(const std::string& path, uint64_t limit) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(descriptor < 0 ? nullptr : fdopen(descriptor, "rb"),
                                                              &std::fclose);
   if (!file) {
+    const int reason = errno;
     if (descriptor >= 0) close(descriptor);
-    throw Error(ErrorCode::io, path, "cannot be opened for reading; check the name and the permissions");
+    throw_system_error(path, "cannot be opened for reading", reason, "; check the name and the permissions");
   }
   struct stat status {};
   if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
@@ -46,7 +50,7 @@ std::vector<uint8_t> read_file(const std::string& path, uint64_t limit) {
     check_limit(bytes.size() + got);
     bytes.insert(bytes.end(), rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(got));
   }
-  if (std::ferror(file.get())) throw Error(ErrorCode::io, path, "cannot be read to its end");
+  if (std::ferror(file.get())) throw TemporaryError(ErrorCode::io, path, "cannot be read to its end");
   return bytes;
 }
 
@@ -67,13 +71,14 @@ std::string SceneFolder::try_resolve(std::string_view name, std::string& problem
   std::error_code ec;
   const std::string& outermost = root.empty() ? path : root;
   const fs::path allowed = fs::weakly_canonical(outermost, ec);
-  const fs::path named = fs::path(path) / fs::path(name);  // which an absolute one replaces
-  const fs::path full = fs::weakly_canonical(named, ec);
+  const fs::path file = fs::path(path) / fs::path(name);  // which an absolute one replaces
+  const fs::path full = fs::weakly_canonical(file, ec);
   if (ec) return refuse("cannot be resolved");
   const fs::path inside = full.lexically_relative(allowed);
   if (inside.empty() || *inside.begin() == "..")
     return refuse("leaves the folder '" + outermost + "', in which the scene may read; --root FOLDER gives it another");
-  return named.string();
+  if (named) named->insert(file.string());
+  return file.string();
 }
 
 std::string SceneFolder::resolve(std::string_view name, const std::string& place) const {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,8 +19,12 @@ std::string parent_folder(const std::string& path);
 
 /// Where a scene's file names lead, and where they must not.
 struct SceneFolder {
-  std::string path;  ///< of the file that names others: names are relative to it
-  std::string root;  ///< everything that is named must lie in it; empty: in `path`
+  std::string path;                                ///< of the file that names others: names are relative to it
+  std::string root;                                ///< everything that is named must lie in it; empty: in `path`
+  std::shared_ptr<std::set<std::string>> named{};  ///< what names were found to stand for is kept here, where it is set
+
+  /// The folder of the file at `other`, which names files with the same root.
+  SceneFolder beside(const std::string& other) const { return {parent_folder(other), root, named}; }
 
   /// What `name` stands for. Absolute names count where they lie in the root. Throws Error(bad_input, place) when the
   /// name is empty, holds a NUL or leaves the root, also by way of a symbolic link. A file that does not exist is not

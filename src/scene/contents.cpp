@@ -1,6 +1,7 @@
 // What a scene holds, for those to whom it is opaque.
 #include <kairos/animations.h>
 #include <kairos/scene.h>
+#include <kairos/scene_files.h>
 
 #include "scene/scene.h"
 
@@ -29,5 +30,7 @@ SceneContents contents(const Scene& scene) {
 }
 
 std::vector<SceneAnimation> animations(const Scene& scene) { return scene.animations; }
+
+std::vector<std::string> files(const Scene& scene) { return scene.files; }
 
 }  // namespace kairos

@@ -64,6 +64,7 @@ struct Scene {
   double fps = 24;                    ///< frames per unit of scene time, where the shutter is given in frames
   std::vector<std::string> warnings;  ///< one line each
   std::vector<std::string> notes;     ///< one line each, for the log: what was chosen for whoever did not choose
+  std::vector<std::string> files;     ///< see files()
   /// Bytes that a shot of it may take, in motion keys and pictures: what loading left of LoadOptions::memory_budget. A
   /// scene from memory is trusted.
   uint64_t memory_budget = uint64_t{1} << 62;

@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
-#include <kairos/error.h>
 #include <kairos/printable.h>
+#include <kairos/temporary_error.h>
 
 #include "base/file.h"
 #include "base/parallel.h"
@@ -71,7 +71,8 @@ MeshFile load_mesh_file(const std::vector<std::string>& paths, bool with_materia
                                                                 [](const std::string& name) { return !name.empty(); });
   if (with_materials && names_any) {
     FileWarnings warnings(context.options.strict);
-    file.materials = read_obj_materials(paths.front(), context.root, data.libraries, data.material_names, warnings);
+    file.materials = read_obj_materials(paths.front(), context.folder_of(paths.front()), data.libraries,
+                                        data.material_names, warnings);
     for (std::string& line : warnings.lines()) file.warnings.push_back(std::move(line));
   } else {
     data.triangle_materials.clear();
@@ -236,9 +237,12 @@ std::shared_ptr<const Scene> load_here(const std::vector<std::string>& paths, co
     make_printable(*scene);
     make_names_unique(*scene);
     scene->memory_budget = context.budget.left();
+    scene->files = paths;
+    for (const std::string& path : *context.named)
+      if (std::find(paths.begin(), paths.end(), path) == paths.end()) scene->files.push_back(path);
     return std::make_shared<const Scene>(std::move(*scene));
   } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::bad_input, paths.front(), "needs more memory than there is");
+    throw TemporaryError(ErrorCode::bad_input, paths.front(), "needs more memory than there is");
   }
 }
 

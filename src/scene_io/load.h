@@ -18,12 +18,14 @@ struct LoadContext {
   int files_left = 100000;              ///< how many more may be read: two files that include each other twice ...
   std::string root;                     ///< see LoadOptions::root; of the file that was given, where that says nothing
   MemoryBudget budget{LoadOptions{}.memory_budget};
+  /// What names in files stand for: SceneFolder::named.
+  std::shared_ptr<std::set<std::string>> named = std::make_shared<std::set<std::string>>();
 
   LoadContext() = default;
   explicit LoadContext(const LoadOptions& wanted) : options(wanted), root(wanted.root), budget(wanted.memory_budget) {}
 
   /// Where names lead that stand in the file at `path`.
-  SceneFolder folder_of(const std::string& path) const { return {parent_folder(path), root}; }
+  SceneFolder folder_of(const std::string& path) const { return {parent_folder(path), root, named}; }
 
   /// Counts a file. Throws Error(bad_input, place) when too many were read.
   void count_file(const std::string& place);

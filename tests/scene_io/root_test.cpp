@@ -7,6 +7,7 @@
 
 #include <kairos/image.h>
 #include <kairos/scene.h>
+#include <kairos/scene_files.h>
 
 #include "error_matchers.h"
 #include "gltf_builder.h"
@@ -17,6 +18,7 @@ namespace kairos {
 namespace {
 
 using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -54,6 +56,7 @@ class Root : public testing::Test {
     bool textured = false;
     for (const MaterialTextures& textures : shot.textures) textured = textured || textures.base_color;
     EXPECT_TRUE(textured);
+    EXPECT_THAT(files(*with), Contains(HasSubstr("white.png")));
     expect_error([&] { load(name, text, false, true); }, {"white.png", "--root"});
   }
 
@@ -84,7 +87,9 @@ TEST_F(Root, WhatSaysWhereThingsAreIsNeeded) {
   const auto expect_needed = [&](const std::string& name, const std::string& text) {
     SCOPED_TRACE(name);
     expect_error([&] { load(name, text, false); }, {"../parts/a", "--root"});
-    EXPECT_EQ(load(name, text, true)->meshes.size(), 1u);
+    const auto scene = load(name, text, true);
+    EXPECT_EQ(scene->meshes.size(), 1u);
+    EXPECT_THAT(files(*scene), ElementsAre(HasSubstr(name), HasSubstr("../parts/a.")));
   };
   expect_needed("include.json", R"({"kairos": 1, "include": ["../parts/a.obj"]})");
   expect_needed("keys.json", R"({"kairos": 1, "meshes": [{"keys": ["../parts/a.obj"]}]})");
@@ -96,6 +101,27 @@ TEST_F(Root, FilesThatAreIncludedReadWhereTheFirstOneMay) {
   folder_.write("scenes/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_EQ(load("a.json", R"({"kairos": 1, "include": ["deep/b.json"]})", false)->meshes.size(), 1u);
   expect_error([&] { load_scene({folder_.path("scenes/deep/b.json")}); }, {"../a.obj", "--root"});
+}
+
+TEST_F(Root, FilesOfASceneAreAllThatItsFilesName) {
+  folder_.write("scenes/t.obj", std::string("mtllib m.mtl\nusemtl m\n") + kTexturedTriangle);
+  folder_.write("scenes/m.mtl", "newmtl m\nmap_Kd ../parts/white.png\n");
+  folder_.write("scenes/red.spd", "400 0 700 1\n");
+  folder_.write("scenes/t.ply",
+                "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+                "z\nelement face 1\nproperty list int int vertex_indices\nend_header\n0 0 8 1 0 0 0 1 0 3 0 1 2");
+  EXPECT_THAT(files(*load("a.json", R"({"kairos": 1, "include": ["t.obj"]})", true)),
+              ElementsAre(HasSubstr("a.json"), HasSubstr("white.png"), HasSubstr("m.mtl"), HasSubstr("t.obj")));
+  EXPECT_THAT(files(*load("b.pbrt", R"(WorldBegin Material "matte" "spectrum Kd" "red.spd"
+      Shape "plymesh" "string filename" "t.ply")",
+                          true)),
+              ElementsAre(HasSubstr("b.pbrt"), HasSubstr("red.spd"), HasSubstr("t.ply")));
+  GltfBuilder gltf;
+  gltf.triangle_node();
+  gltf.root = nlohmann::json::parse(gltf.text());
+  folder_.write("scenes/t.bin", std::string(4096, '\0'));
+  gltf.root["buffers"][0]["uri"] = "t.bin";
+  EXPECT_THAT(files(*load("c.gltf", gltf.root.dump(), true)), ElementsAre(HasSubstr("c.gltf"), HasSubstr("t.bin")));
 }
 
 TEST_F(Root, WhatNothingUsesNeedNotBeThere) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <system_error>
+#include <utility>
 
 #include <kairos/error.h>
 
@@ -90,9 +91,9 @@ Material make_material(const Statements& said) {
 
 class MtlParser {
  public:
-  MtlParser(std::string_view text, const std::string& path, const std::string& root, FileWarnings& warnings,
+  MtlParser(std::string_view text, const std::string& path, SceneFolder folder, FileWarnings& warnings,
             std::map<std::string, Material>& materials)
-      : lines_(text), path_(path), folder_{parent_folder(path), root}, warnings_(warnings), materials_(materials) {}
+      : lines_(text), path_(path), folder_(std::move(folder)), warnings_(warnings), materials_(materials) {}
 
   void parse() {
     std::string_view whole;
@@ -284,22 +285,21 @@ std::vector<std::string> split_names(const std::string& line, const std::string&
 }  // namespace
 
 void parse_mtl(std::string_view text, const std::string& path, FileWarnings& warnings,
-               std::map<std::string, Material>& materials, const std::string& root) {
-  MtlParser(text, path, root, warnings, materials).parse();
+               std::map<std::string, Material>& materials, const SceneFolder& from) {
+  MtlParser(text, path, from.beside(path), warnings, materials).parse();
 }
 
-std::vector<Material> read_obj_materials(const std::string& obj_path, const std::string& root,
+std::vector<Material> read_obj_materials(const std::string& obj_path, const SceneFolder& folder,
                                          const std::vector<std::string>& libraries,
                                          const std::vector<std::string>& names, FileWarnings& warnings) {
   constexpr uint64_t kMaxFileSize = 64 << 20;
-  const SceneFolder folder{parent_folder(obj_path), root};
   const FilePlace place{obj_path, 0};
   std::map<std::string, Material> defined;
   for (const std::string& line : libraries)
     for (const std::string& name : split_names(line, folder.path))
       if (const auto path = find_named(name, folder, place, warnings)) {
         const std::vector<uint8_t> bytes = read_file(*path, kMaxFileSize);
-        parse_mtl({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, *path, warnings, defined, root);
+        parse_mtl({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, *path, warnings, defined, folder);
       }
   std::vector<Material> materials;
   for (const std::string& name : names) {
