@@ -10,6 +10,8 @@
 
 #include "arguments.h"
 #include "light_arguments.h"
+#include "parts.h"
+#include "progress_bar.h"
 
 namespace kairos::cli {
 
@@ -20,6 +22,8 @@ struct EventsArguments {
   std::optional<double> from, to;  ///< unset: as long as the animation
   EventFileOptions file;
   std::vector<std::string> outs;
+  std::optional<Part> part;  ///< of the recording that is to be `outs`
+  ProgressStyle progress = ProgressStyle::automatic;
   bool quiet = false;
 };
 

@@ -5,13 +5,17 @@
 
 #include <kairos/animations.h>
 #include <kairos/error.h>
+#include <kairos/event_parts.h>
 #include <kairos/files.h>
+#include <kairos/scene_files.h>
 
 #include "commands.h"
 #include "events_arguments.h"
 #include "events_commands.h"
+#include "frame_mark.h"
 #include "interrupt.h"
 #include "log.h"
+#include "parts.h"
 #include "progress_bar.h"
 #include "report.h"
 
@@ -74,11 +78,33 @@ std::string error_text(const EventOptions& options, const EventStats& stats) {
       stats.fastest > 0 ? ", " + at(stats.fastest) + ", the fastest edge" : "");
 }
 
-void run_events(const EventsArguments& arguments, const std::string& command_line) {
-  for (const std::string& path : arguments.outs) {
-    check_event_file(path, arguments.scene.shot.width, arguments.scene.shot.height);
-    check_writable(path);
-  }
+/// What decides the events of a part.
+std::string mark_of(const EventsArguments& arguments, const CLI::App& command, const Scene& scene) {
+  std::vector<std::string> files = kairos::files(scene);
+  if (arguments.light.environment) files.push_back(arguments.light.environment->path);
+  return frame_mark(command, {"SCENE", "--output", "--environment", "--threads", "--quiet", "--part", "--progress"},
+                    files);
+}
+
+/// Records rows of pixels into a file of the folder of parts.
+void choose_part(const EventsArguments& arguments, EventOptions& options, std::vector<std::string>& paths) {
+  if (arguments.outs.size() > 1)
+    throw Error(ErrorCode::bad_usage, "", "--part: a recording in parts goes to one file; give one --output");
+  options.crop = band_of({0, options.shot.width, 0, options.shot.height}, *arguments.part);
+  paths = {part_file(arguments.outs.front(), *arguments.part, ".npz")};
+  make_parts_folder(paths.front());
+}
+
+void run_events(const EventsArguments& arguments, const CLI::App& command, const std::string& command_line) {
+  EventOptions options = arguments.options;
+  options.shot = arguments.scene.shot;
+  std::vector<std::string> paths = arguments.outs;
+  EventFileOptions file = arguments.file;
+  file.labels = options.labels && (!arguments.part || paths.front().ends_with(".npz"));
+  for (const std::string& path : paths)
+    check_event_file(path, options.shot.width, options.shot.height, arguments.part ? file : EventFileOptions{});
+  if (arguments.part) choose_part(arguments, options, paths);
+  for (const std::string& path : paths) check_writable(path);
   if (arguments.options.labels && std::none_of(arguments.outs.begin(), arguments.outs.end(),
                                                [](const std::string& path) { return path.ends_with(".npz"); }))
     throw Error(ErrorCode::bad_usage, arguments.outs.front(), "holds no labels; let --labels write an .npz, too");
@@ -87,16 +113,20 @@ void run_events(const EventsArguments& arguments, const std::string& command_lin
   };
   const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
   for (const std::string& warning : contents(*scene).warnings) say("warning: " + warning);
-  EventOptions options = arguments.options;
-  options.shot = arguments.scene.shot;
+  std::string mark;
+  if (arguments.part) {
+    mark = mark_of(arguments, command, *scene);
+    if (const auto there = event_part_mark(paths.front()); there == mark)
+      return say(paths.front() + " is there already");
+    else if (there)
+      refuse_other_part(paths.front());
+  }
   options.render.threads = arguments.scene.threads;
   options.change_shot = [&](Shot& shot) { arguments.light.background.apply(shot); };
   choose_times(arguments, *scene, options);
-  EventFileOptions file = arguments.file;
   file.duration = std::llround((options.to - options.from) * 1e9);
-  file.labels = options.labels;
   file.kinds = options.labels || options.sensor.leak > 0 || options.sensor.shot_noise > 0;
-  Files files(arguments.outs, options.shot.width, options.shot.height, file);
+  Files files(paths, options.shot.width, options.shot.height, arguments.part ? event_part_options(file) : file);
 
   std::unique_ptr<ProgressBar> bar;
   bool polling = false;
@@ -106,7 +136,8 @@ void run_events(const EventsArguments& arguments, const std::string& command_lin
     stats = record_events(*scene, options, files, [&](double fraction) {
       if (!polling) begin_polling();
       polling = true;
-      if (!bar && !arguments.quiet) bar = std::make_unique<ProgressBar>(0);
+      if (!bar && (!arguments.quiet || arguments.progress == ProgressStyle::openjd))
+        bar = std::make_unique<ProgressBar>(0, arguments.progress);
       if (bar) bar->update(fraction);
       return !interrupted();
     });
@@ -128,8 +159,11 @@ void run_events(const EventsArguments& arguments, const std::string& command_lin
   say(fmt::format("{} moving edges, {} changes without an edge that is known; {:.1f} s, {:.1f} s of processor time",
                   stats.edges, stats.steps, recording.seconds(), stats.cpu_seconds));
   say(error_text(options, stats));
-  for (const std::string& path : arguments.outs) {
-    write_event_notes(path + ".json", options, stats, command_line);
+  for (const std::string& path : paths) {
+    if (arguments.part)
+      write_event_part_notes(path, options, stats, command_line, file, mark);
+    else
+      write_event_notes(path + ".json", options, stats, command_line);
     say(fmt::format("wrote {} and {}.json", path, path));
   }
 }
@@ -162,6 +196,12 @@ void add_record_options(CLI::App& command, EventsArguments& arguments) {
            [&options](double value) { options.chunk = value; });
   add_count(command, "--seed", options.render.seed, 0, UINT64_MAX, "Another seed: other points in pixels, other noise");
   add_instruction_set(command, options.render.instruction_set);
+  command
+      .add_option_function<std::string>(
+          "--part", [&arguments](const std::string& text) { arguments.part = parse_part("--part", text); },
+          "Record part I of N, some rows of pixels, to be merged (kairos merge); of a Slurm array, the task's part")
+      ->type_name("I/N|slurm");
+  add_progress_option(command, arguments.progress);
   command.add_flag("--quiet", arguments.quiet, "No log and no progress, errors only");
 }
 
@@ -189,7 +229,9 @@ void add_events_command(CLI::App& app, Action& chosen, const std::string& comman
     arguments->scene.shot.textures = arguments->options.render.shading != ShadingKind::normal;
     arguments->scene.shot.strict = arguments->scene.load.strict;
     arguments->light.apply(command, arguments->options.render, arguments->scene.shot);
-    chosen = [arguments, command_line] { run_events(*arguments, command_line); };
+    chosen = [arguments, &command, command_line] {
+      tell_failure(arguments->progress, [&] { run_events(*arguments, command, command_line); });
+    };
   });
 }
 

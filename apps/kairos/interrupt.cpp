@@ -7,18 +7,24 @@
 
 #include <kairos/error.h>
 
+#include "exit_status.h"
+
 namespace kairos::cli {
 
 namespace {
 
 // A signal handler reaches nothing but what is static; this program has no other use of it.
 std::atomic<bool> polling{false}, requested{false};
+std::atomic<int> last_signal{0};
 
-extern "C" void on_signal(int) {
+int status_after(int signal) { return signal == SIGTERM ? kTryAgain : kFailed; }
+
+extern "C" void on_signal(int signal) {
+  last_signal = signal;
   if (polling && !requested.exchange(true)) return;
   constexpr char kMessage[] = "kairos: interrupted\n";
   [[maybe_unused]] const auto written = write(STDERR_FILENO, kMessage, sizeof(kMessage) - 1);
-  _exit(1);
+  _exit(status_after(signal));
 }
 
 }  // namespace
@@ -41,6 +47,7 @@ void install_interrupt_handler() {
 void begin_polling() { polling = true; }
 void end_polling() { polling = false; }
 bool interrupted() { return requested; }
+int interrupted_status() { return status_after(last_signal); }
 
 void write_interruptibly(const Image& image, const std::string& path, WriteOptions options) {
   options.go_on = [] { return !interrupted(); };

@@ -17,7 +17,8 @@ namespace {
 struct JobsArguments {
   std::string scheduler;
   int parts = 0;
-  std::vector<std::string> render;  ///< the arguments of kairos render
+  std::string command = "render";   ///< or events
+  std::vector<std::string> render;  ///< its arguments
 };
 
 /// The value of an option among arguments, as "-o X", "--output X" or "--output=X"; empty where it is not given.
@@ -30,9 +31,25 @@ std::string value_of(const std::vector<std::string>& arguments, const std::vecto
   return "";
 }
 
+/// The files that the parts are of.
+std::vector<std::string> outs_of(const JobsArguments& arguments) {
+  std::vector<std::string> outs;
+  for (const auto& names : {std::vector<std::string>{"-o", "--output"}, {"--time"}})
+    if (std::string out = value_of(arguments.render, names); !out.empty()) outs.push_back(std::move(out));
+  return outs;
+}
+
+std::vector<std::string> part_arguments(const JobsArguments& arguments) {
+  std::vector<std::string> words = {arguments.command};
+  words.insert(words.end(), arguments.render.begin(), arguments.render.end());
+  return words;
+}
+
 std::vector<std::string> merge_arguments(const JobsArguments& arguments) {
   const std::string frames = value_of(arguments.render, {"--frames"});
-  std::vector<std::string> words = {"merge", value_of(arguments.render, {"-o", "--output"}), "--clean"};
+  std::vector<std::string> words = {"merge", "--clean"};
+  const std::vector<std::string> outs = outs_of(arguments);
+  words.insert(words.begin() + 1, outs.begin(), outs.end());
   if (!frames.empty()) words.insert(words.end(), {"--frames", frames});
   return words;
 }
@@ -44,8 +61,7 @@ std::string shell_line(const std::vector<std::string>& words) {
 }
 
 std::string slurm_script(const JobsArguments& arguments) {
-  std::vector<std::string> render = {"render"};
-  render.insert(render.end(), arguments.render.begin(), arguments.render.end());
+  std::vector<std::string> render = part_arguments(arguments);
   render.insert(render.end(), {"--part", "slurm"});
   const std::string folder = quoted(std::filesystem::current_path().string());
   std::string script = fmt::format(R"(#!/bin/sh
@@ -83,8 +99,8 @@ std::string openjd_action(const std::vector<std::string>& words, bool of_part, i
 }
 
 std::string openjd_template(const JobsArguments& arguments) {
-  std::vector<std::string> render = {"render"};
-  render.insert(render.end(), arguments.render.begin(), arguments.render.end());
+  std::vector<std::string> render = part_arguments(arguments);
+  render.insert(render.end(), {"--progress", "openjd"});
   std::string text = fmt::format(R"(specificationVersion: jobtemplate-2023-09
 name: kairos
 steps:
@@ -113,14 +129,19 @@ void add_jobs_command(CLI::App& app, Action& chosen) {
       ->required();
   add_count(command, "--parts", arguments->parts, 1, 65536, "How many parts")->required()->default_str("");
   command.allow_extras();
-  command.footer("Everything else is for kairos render: the scene, -o, ...");
+  command.footer(
+      "Everything else is for kairos render: the scene, -o, ...; or, where it begins with 'events', for kairos events");
   command.callback([arguments, &chosen, &command] {
     arguments->render = command.remaining();
+    if (!arguments->render.empty() && (arguments->render[0] == "events" || arguments->render[0] == "render")) {
+      arguments->command = arguments->render[0];
+      arguments->render.erase(arguments->render.begin());
+    }
     if (arguments->scheduler != "slurm" && arguments->scheduler != "openjd")
       throw CLI::ValidationError("SCHEDULER",
                                  fmt::format("'{}' is not known; give slurm or openjd", arguments->scheduler));
-    if (value_of(arguments->render, {"-o", "--output"}).empty())
-      throw CLI::ValidationError("--output", "give the picture that render is to write: -o OUT.exr");
+    if (outs_of(*arguments).empty())
+      throw CLI::ValidationError("--output", "give the file that is to be written: -o OUT.exr");
     if (!value_of(arguments->render, {"--part"}).empty())
       throw CLI::ValidationError("--part", "is what the scheduler decides; give --parts");
     chosen = [arguments] {

@@ -1,5 +1,5 @@
-// The command line: its subcommands are those of commands.h. Exit status 0 on success, 1 on bad input or a failed
-// render, 2 on bad usage.
+// The command line: its subcommands are those of commands.h. Exit status 0 on success, else one of exit_status.h.
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -9,18 +9,21 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <kairos/error.h>
+#include <kairos/temporary_error.h>
 #include <kairos/tracer.h>
 #include <kairos/version.h>
 
 #include "commands.h"
+#include "exit_status.h"
 #include "interrupt.h"
 #include "log.h"
 #include "quoted.h"
 
 namespace {
 
-constexpr int kFailed = 1, kBadUsage = 2;
+using kairos::cli::kBadUsage;
+using kairos::cli::kFailed;
+using kairos::cli::kTryAgain;
 constexpr const char* kOutOfMemory = "kairos: needs more memory than there is; try a smaller picture or scene\n";
 
 int fail(int status, const std::string& message) {
@@ -34,7 +37,7 @@ int fail(int status, const std::string& message) {
     if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
   } catch (const std::bad_alloc&) {
     kairos::cli::draw(kOutOfMemory);
-    std::_Exit(kFailed);
+    std::_Exit(kTryAgain);
   } catch (...) {  // a fault of ours, which a core dump explains best
   }
   std::abort();
@@ -77,7 +80,8 @@ int run(int argc, char** argv) {
   }
   chosen();
   // What a full disk or a closed pipe swallowed is only known now.
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return fail(kFailed, "standard output cannot be written");
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    return fail(errno == ENOSPC ? kTryAgain : kFailed, "standard output cannot be written");
   return 0;
 }
 
@@ -88,11 +92,14 @@ int main(int argc, char** argv) {
   kairos::cli::install_interrupt_handler();
   try {
     return run(argc, argv);
+  } catch (const kairos::TemporaryError& e) {
+    return fail(kTryAgain, e.what());
   } catch (const kairos::Error& e) {
+    if (e.code() == kairos::ErrorCode::cancelled) return fail(kairos::cli::interrupted_status(), e.what());
     return fail(e.code() == kairos::ErrorCode::bad_usage ? kBadUsage : kFailed, e.what());
   } catch (const std::bad_alloc&) {
     kairos::cli::draw(kOutOfMemory);
-    return kFailed;
+    return kTryAgain;
   } catch (const std::exception& e) {
     return fail(kFailed, e.what());
   }

@@ -66,24 +66,46 @@ PartImage read_part(const std::string& path) {
   return result;
 }
 
-std::vector<PartImage> read_parts(const std::string& out) {
-  const std::string folder = parts_folder(out);
+/// Sorted.
+std::vector<std::string> files_in_folder(const std::string& out, const char* ending) {
   std::error_code ec;
   std::vector<std::string> paths;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, ec))
-    if (entry.is_regular_file() && entry.path().extension() == ".exr") paths.push_back(entry.path().string());
-  if (paths.empty())
-    throw Error(ErrorCode::bad_input, folder, "holds no parts; render them with kairos render ... --part I/N");
+  for (const auto& entry : std::filesystem::directory_iterator(parts_folder(out), ec))
+    if (entry.is_regular_file() && entry.path().extension() == ending) paths.push_back(entry.path().string());
   std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+/// Throws where there are none.
+std::vector<std::string> part_files(const std::string& out, const char* ending) {
+  std::vector<std::string> paths = files_in_folder(out, ending);
+  if (!paths.empty()) return paths;
+  throw Error(ErrorCode::bad_input, parts_folder(out), "holds no parts; make them with kairos ... --part I/N");
+}
+
+/// Throws where a part was not found. found: [part]
+void check_all_there(const std::vector<bool>& found, const std::string& out) {
+  constexpr size_t kMostNamed = 10;
+  std::vector<size_t> missing;
+  for (size_t i = 0; i < found.size(); ++i)
+    if (!found[i]) missing.push_back(i + 1);
+  if (missing.empty()) return;
+  const size_t count = missing.size();
+  missing.resize(std::min(count, kMostNamed));
+  throw Error(ErrorCode::bad_input, out,
+              fmt::format("{} of {} parts are not there: {}{}; render them with --part I/{}", count, found.size(),
+                          fmt::join(missing, ", "), count > kMostNamed ? ", ..." : "", found.size()));
+}
+
+std::vector<PartImage> read_parts(const std::string& out) {
   std::vector<PartImage> parts;
-  for (const std::string& path : paths) parts.push_back(read_part(path));
+  for (const std::string& path : part_files(out, ".exr")) parts.push_back(read_part(path));
   return parts;
 }
 
 /// Throws where they are not all the parts of one job, each once.
 void check_parts(const std::vector<PartImage>& parts, const std::string& out) {
   const PartImage& first = parts.front();
-  std::vector<int> missing;
   std::vector<const PartImage*> found(static_cast<size_t>(first.part.count));
   for (const PartImage& part : parts) {
     if (part.mark != first.mark || part.frame != first.frame || part.part.count != first.part.count)
@@ -96,15 +118,9 @@ void check_parts(const std::vector<PartImage>& parts, const std::string& out) {
       throw Error(ErrorCode::bad_input, part.path, "is the same part as " + place->path + "; remove one of them");
     place = &part;
   }
-  for (size_t i = 0; i < found.size(); ++i)
-    if (found[i] == nullptr) missing.push_back(static_cast<int>(i) + 1);
-  if (missing.empty()) return;
-  constexpr size_t kMostNamed = 10;
-  const size_t count = missing.size();
-  missing.resize(std::min(count, kMostNamed));
-  throw Error(ErrorCode::bad_input, out,
-              fmt::format("{} of {} parts are not there: {}{}; render them with --part I/{}", count, first.part.count,
-                          fmt::join(missing, ", "), count > kMostNamed ? ", ..." : "", first.part.count));
+  std::vector<bool> there;
+  for (const PartImage* part : found) there.push_back(part != nullptr);
+  check_all_there(there, out);
 }
 
 bool same_channels(const Image& a, const Image& b) {
@@ -132,22 +148,47 @@ Part parse_part(const std::string& option, std::string_view text) {
 
 std::string part_text(Part part) { return fmt::format("{}/{}", part.index + 1, part.count); }
 
-Crop band_of(const Crop& whole, Part part) {
-  const int64_t rows = whole.y1 - whole.y0;
-  if (rows < part.count)
-    throw Error(
-        ErrorCode::bad_usage, "",
-        fmt::format("--part: {} parts of {} rows; give at most as many parts as there are rows", part.count, rows));
+Crop band_of(const Crop& whole, Part part, int unit) {
+  const int64_t rows = whole.y1 - whole.y0, strips = (rows + unit - 1) / unit;
+  if (strips < part.count)
+    throw Error(ErrorCode::bad_usage, "",
+                fmt::format("--part: {} parts of {} rows{}; give at most {} parts", part.count, rows,
+                            unit > 1 ? fmt::format(", {} of which belong together", unit) : "", strips));
   Crop band = whole;
-  band.y0 = whole.y0 + static_cast<int>(rows * part.index / part.count);
-  band.y1 = whole.y0 + static_cast<int>(rows * (part.index + 1) / part.count);
+  band.y0 = whole.y0 + unit * static_cast<int>(strips * part.index / part.count);
+  band.y1 = std::min(whole.y0 + unit * static_cast<int>(strips * (part.index + 1) / part.count), whole.y1);
   return band;
 }
 
 std::string parts_folder(const std::string& out) { return out + ".parts"; }
 
-std::string part_file(const std::string& out, Part part) {
-  return fmt::format("{}/{:05}-of-{:05}.exr", parts_folder(out), part.index + 1, part.count);
+std::string part_file(const std::string& out, Part part, const char* ending) {
+  return fmt::format("{}/{:05}-of-{:05}{}", parts_folder(out), part.index + 1, part.count, ending);
+}
+
+bool has_parts(const std::string& out, const char* ending) { return !files_in_folder(out, ending).empty(); }
+
+std::vector<std::string> all_part_files(const std::string& out, const char* ending) {
+  std::vector<std::string> paths = part_files(out, ending);
+  std::vector<Part> parts;
+  for (const std::string& path : paths) {
+    std::string text = std::filesystem::path(path).stem().string();
+    if (const size_t of = text.find("-of-"); of != text.npos) text.replace(of, 4, "/");
+    try {
+      parts.push_back(parse_part("", text));
+    } catch (const CLI::ValidationError&) {
+      parts.push_back({0, 0});
+    }
+    if (path != part_file(out, parts.back(), ending))
+      throw Error(ErrorCode::bad_input, path, "is not named as parts are; remove it, or give it its name again");
+    if (parts.back().count != parts.front().count)
+      throw Error(ErrorCode::bad_input, path,
+                  "is one of another number of parts than " + paths.front() + "; remove those that are wrong");
+  }
+  std::vector<bool> found(static_cast<size_t>(parts.front().count));
+  for (const Part& part : parts) found[static_cast<size_t>(part.index)] = true;
+  check_all_there(found, out);
+  return paths;
 }
 
 void make_parts_folder(const std::string& part_file) {
@@ -172,12 +213,16 @@ WriteOptions part_options(const std::string& out, const WriteOptions& of_picture
   return write;
 }
 
-bool is_part_there(const std::string& path, const std::string& mark) {
-  if (!std::filesystem::is_regular_file(path) || is_damaged_picture(path)) return false;
-  if (read_frame_mark(path) == mark) return true;
+void refuse_other_part(const std::string& path) {
   throw Error(
       ErrorCode::bad_input, path,
       "is there, but made otherwise: scene files, options or kairos were others; remove it, or give another name");
+}
+
+bool is_part_there(const std::string& path, const std::string& mark) {
+  if (!std::filesystem::is_regular_file(path) || is_damaged_picture(path)) return false;
+  if (read_frame_mark(path) == mark) return true;
+  refuse_other_part(path);
 }
 
 MergedPicture merge_parts(const std::string& out) {
@@ -216,9 +261,9 @@ MergedPicture merge_parts(const std::string& out) {
   return merged;
 }
 
-void remove_parts(const MergedPicture& merged, const std::string& out) {
+void remove_parts(const std::vector<std::string>& parts, const std::string& out) {
   std::error_code ignored;  // the picture is there; what cannot be removed does no harm
-  for (const std::string& part : merged.parts) std::filesystem::remove(part, ignored);
+  for (const std::string& part : parts) std::filesystem::remove(part, ignored);
   // What runs that were killed while they wrote have left.
   std::vector<std::filesystem::path> unfinished;
   for (const auto& entry : std::filesystem::directory_iterator(parts_folder(out), ignored))

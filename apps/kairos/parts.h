@@ -21,13 +21,21 @@ Part parse_part(const std::string& option, std::string_view text);
 /// "I/N"
 std::string part_text(Part part);
 
-/// The rows of `whole` that a part has: as many as every other one, or one more. Throws Error(bad_usage) where there
-/// are fewer rows than parts.
-Crop band_of(const Crop& whole, Part part);
+/// The rows of `whole` that a part has: as many strips of `unit` rows as every other one, or one more. Throws
+/// Error(bad_usage) where there are fewer strips than parts.
+Crop band_of(const Crop& whole, Part part, int unit = 1);
 
-/// The folder that holds the parts of the picture `out`, and the file of one of them. Parts are EXR, whatever `out` is.
+/// The folder that holds the parts of the file `out`, and the file of one of them. Parts of pictures are EXR, whatever
+/// `out` is.
 std::string parts_folder(const std::string& out);
-std::string part_file(const std::string& out, Part part);
+std::string part_file(const std::string& out, Part part, const char* ending = ".exr");
+
+/// Is any file with this ending in the folder of parts?
+bool has_parts(const std::string& out, const char* ending);
+
+/// The files with this ending in the folder of parts, by their parts' numbers: all of one job, each once. Throws
+/// Error(bad_input) that says which are missing or have another name than part_file gives.
+std::vector<std::string> all_part_files(const std::string& out, const char* ending);
 
 /// Makes the folder of a part's file. Throws Error(io).
 void make_parts_folder(const std::string& part_file);
@@ -38,6 +46,9 @@ void describe_part(Image& image, Part part, int frame, const std::string& mark, 
 
 /// How a part of a picture is written: in the same number of bits.
 WriteOptions part_options(const std::string& out, const WriteOptions& of_picture);
+
+/// Throws Error(bad_input): a part is there that was made otherwise.
+[[noreturn]] void refuse_other_part(const std::string& path);
 
 /// Is a part, or a frame of a sequence, that was made as `mark` says there, and whole? Throws Error(bad_input) where
 /// there is one with another mark: nobody's picture is lost.
@@ -54,6 +65,6 @@ struct MergedPicture {
 MergedPicture merge_parts(const std::string& out);
 
 /// Removes the files of the parts, and their folder where nothing else is in it.
-void remove_parts(const MergedPicture& merged, const std::string& out);
+void remove_parts(const std::vector<std::string>& parts, const std::string& out);
 
 }  // namespace kairos::cli

@@ -2,10 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <exception>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <kairos/printable.h>
+
+#include "arguments.h"
 #include "log.h"
 
 namespace kairos::cli {
@@ -25,7 +30,30 @@ std::string clock_time(double seconds) {
   return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
-ProgressBar::ProgressBar(double rays) : rays_(rays), terminal_(isatty(STDERR_FILENO) != 0) {}
+void add_progress_option(CLI::App& app, ProgressStyle& out) {
+  add_choice(app, "--progress", out,
+             "How progress is told. auto: a bar on a terminal, else lines, on stderr; openjd: as Open Job Description "
+             "reads it, on stdout, also with --quiet");
+}
+
+void tell_failure(ProgressStyle style, const std::function<void()>& work) {
+  if (style != ProgressStyle::openjd) return work();
+  try {
+    work();
+  } catch (const std::exception& e) {
+    std::fputs(fmt::format("openjd_fail: {}\n", printable(e.what(), std::string::npos)).c_str(), stdout);
+    std::fflush(stdout);
+    throw;
+  }
+}
+
+ProgressBar::ProgressBar(double rays, ProgressStyle style, size_t done, size_t all)
+    : rays_(rays),
+      style_(style),
+      done_(static_cast<double>(done)),
+      all_(static_cast<double>(all)),
+      terminal_(style == ProgressStyle::automatic && isatty(STDERR_FILENO) != 0),
+      last_percent_(done == 0 ? -1 : static_cast<int>(done_ / all_ * 100)) {}
 
 ProgressBar::~ProgressBar() {
   if (terminal_) draw("\r\x1b[K");
@@ -38,7 +66,16 @@ std::string ProgressBar::rate_and_time_left(double fraction) const {
   return rays_ > 0 ? fmt::format("{}rays/s, {}", with_unit(rays_ * fraction / elapsed), left) : left;
 }
 
+void ProgressBar::update_openjd(double fraction) {
+  const int percent = static_cast<int>((done_ + fraction) / all_ * 100);
+  if (percent <= last_percent_) return;
+  last_percent_ = percent;
+  std::fputs(fmt::format("openjd_progress: {}\n", percent).c_str(), stdout);
+  std::fflush(stdout);
+}
+
 void ProgressBar::update(double fraction) {
+  if (style_ == ProgressStyle::openjd) return update_openjd(fraction);
   if (!terminal_) {
     const int decile = static_cast<int>(fraction * 10);
     if (decile <= last_decile_) return;

@@ -2,15 +2,30 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <string>
+
+#include <CLI/CLI.hpp>
+
+#include <kairos/names.h>
 
 namespace kairos::cli {
 
-/// On a terminal a bar that is drawn anew in place; otherwise a line for every 10 %. Writes to stderr.
+enum class ProgressStyle {
+  automatic,  ///< on a terminal a bar that is drawn anew in place; otherwise a line for every 10 %; on stderr
+  openjd,     ///< what Open Job Description has programs say on stdout: openjd_progress, for every percent, openjd_fail
+};
+/// --progress.
+void add_progress_option(CLI::App& app, ProgressStyle& out);
+
+/// Does `work`, and says what it throws in the style's words, where it has any.
+void tell_failure(ProgressStyle style, const std::function<void()>& work);
+
 class ProgressBar {
  public:
-  /// rays: of the whole picture, for the rate; 0: it is not told.
-  explicit ProgressBar(double rays);
+  /// rays: of what is told to update(), for the rate; 0: it is not told. done, all: that is one of so many, of which so
+  /// many are done.
+  explicit ProgressBar(double rays, ProgressStyle style = ProgressStyle::automatic, size_t done = 0, size_t all = 1);
   /// Wipes the bar off the terminal.
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
@@ -22,9 +37,13 @@ class ProgressBar {
  private:
   std::string rate_and_time_left(double fraction) const;
 
+  void update_openjd(double fraction);
+
   double rays_;
+  ProgressStyle style_;
+  double done_, all_;
   bool terminal_;
-  int last_decile_ = 0;
+  int last_decile_ = 0, last_percent_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), drawn_{};
 };
 
@@ -34,3 +53,8 @@ std::string with_unit(double value);
 std::string clock_time(double seconds);
 
 }  // namespace kairos::cli
+
+template <>
+inline constexpr auto kairos::kNames<kairos::cli::ProgressStyle> =
+    std::to_array<kairos::Named<kairos::cli::ProgressStyle>>({{"auto", kairos::cli::ProgressStyle::automatic},
+                                                              {"openjd", kairos::cli::ProgressStyle::openjd}});

@@ -9,6 +9,7 @@
 #include <kairos/files.h>
 #include <kairos/picture.h>
 #include <kairos/render.h>
+#include <kairos/scene_files.h>
 #include <kairos/time_file.h>
 
 #include "arguments.h"
@@ -21,6 +22,7 @@
 #include "log.h"
 #include "parts.h"
 #include "progress_bar.h"
+#include "render_jobs.h"
 #include "render_stats.h"
 #include "report.h"
 #include "sampling_arguments.h"
@@ -35,14 +37,14 @@ struct RenderArguments {
   SceneArguments scene;
   SamplingArguments sampling;
   WriteOptions write;
-  TimeArguments time;
-  std::string out, stats_file, command_line;  ///< names of files, or empty: with `frames`, of a sequence's
-  std::optional<FrameRange> frames;
-  std::optional<Part> part;          ///< of the job
+  double time_tolerance = TimeQuality().tolerance;
+  RenderFiles files;
+  std::string command_line;
   std::optional<double> checkpoint;  ///< seconds
   ViewArguments view;
   LightArguments light;
   const CLI::App* command = nullptr;
+  ProgressStyle progress = ProgressStyle::automatic;
   bool quiet = false;
 };
 
@@ -57,14 +59,21 @@ uint64_t total_rays(const RenderParams& params, const Shot& shot) {
          static_cast<uint64_t>(per_pixel);
 }
 
+/// Which of how many jobs.
+struct Place {
+  size_t number = 0, count = 1;
+};
+
 /// work: what renders, and tells how far it is.
-void with_progress(const RenderArguments& arguments, uint64_t rays, const std::function<void(const Progress&)>& work) {
+void with_progress(const RenderArguments& arguments, Place place, uint64_t rays,
+                   const std::function<void(const Progress&)>& work) {
   std::unique_ptr<ProgressBar> bar;
   bool polling = false;
   const auto progress = [&](double fraction) {
     if (!polling) begin_polling();  // rendering has begun: before, a signal ends the program at once
     polling = true;
-    if (!bar && !arguments.quiet) bar = std::make_unique<ProgressBar>(static_cast<double>(rays));
+    if (!bar && (!arguments.quiet || arguments.progress == ProgressStyle::openjd))
+      bar = std::make_unique<ProgressBar>(static_cast<double>(rays), arguments.progress, place.number, place.count);
     if (bar) bar->update(fraction);
     return !interrupted();
   };
@@ -78,83 +87,51 @@ void with_progress(const RenderArguments& arguments, uint64_t rays, const std::f
   throw Error(ErrorCode::cancelled, "", "interrupted");
 }
 
-/// One picture of a sequence, or the only one.
-struct FrameJob {
-  ShotOptions shot;
-  std::string out, stats_file;
-  std::optional<Part> part;  ///< of the picture, which `out` is the file of
-};
-
 /// What decides the pixels of a job that several runs render.
-std::string mark_of(const RenderArguments& arguments) {
-  const bool several = arguments.frames || arguments.part || arguments.checkpoint || !arguments.time.path.empty();
+std::string mark_of(const RenderArguments& arguments, const Scene& scene) {
+  const RenderFiles& out = arguments.files;
+  const bool several = out.frames || out.part || arguments.checkpoint || !out.time.empty();
   if (!several) return "";
-  std::vector<std::string> files = arguments.scene.paths;
+  std::vector<std::string> files = kairos::files(scene);
   if (arguments.sampling.calibration != kDefaultCalibration) files.push_back(arguments.sampling.calibration);
   if (!arguments.sampling.exposure.map.empty()) files.push_back(arguments.sampling.exposure.map);
   if (arguments.light.environment) files.push_back(arguments.light.environment->path);
   return frame_mark(*arguments.command,
                     {"SCENE", "--output", "--frames", "--stats-file", "--calibration", "--environment",
-                     "--interval-map", "--threads", "--quiet", "--time", "--part", "--checkpoint"},
+                     "--interval-map", "--threads", "--quiet", "--time", "--part", "--checkpoint", "--progress"},
                     files);
 }
 
-/// Pictures get their name when they are complete: what is there need not be made again, unless a disk lost some of it.
-bool is_there(const RenderArguments& arguments, const FrameJob& job, const std::string& mark) {
-  const bool found = is_part_there(job.out, mark);
-  if (!found && std::filesystem::is_regular_file(job.out))
-    say(arguments, job.out + " is no whole picture: it is made again");
-  return found && (job.stats_file.empty() || std::filesystem::is_regular_file(job.stats_file));
-}
-
-FrameJob part_of(FrameJob job, Part part) {
-  job.out = part_file(job.out, part);
-  job.part = part;
-  return job;
-}
-
-/// What there is to do: the pictures of a sequence, or the only one. With --part a run of them; and where there are
-/// more parts than pictures, a run of pieces, into which each is divided.
-std::vector<FrameJob> all_jobs(const RenderArguments& arguments) {
-  std::vector<FrameJob> jobs;
-  if (arguments.frames) {
-    const FrameName out("--output", arguments.out);
-    for (int frame = arguments.frames->first; frame <= arguments.frames->last; ++frame) {
-      FrameJob job{arguments.scene.shot, out.at(frame), "", {}};
-      if (!arguments.stats_file.empty()) job.stats_file = FrameName("--stats-file", arguments.stats_file).at(frame);
-      job.shot.frame = frame;
-      jobs.push_back(std::move(job));
-    }
-  } else {
-    jobs.push_back({arguments.scene.shot, arguments.out, arguments.stats_file, {}});
+/// Before the scene is loaded, which may take long: can all that is to be written be written?
+void check_writable_files(const RenderArguments& arguments, const std::vector<FrameJob>& jobs) {
+  const bool again = arguments.files.frames || arguments.files.part;  // what is there may stay as it is
+  for (const FrameJob& job : jobs) {
+    for (const std::string& path : {job.out, job.time})
+      if (job.part && !path.empty()) make_parts_folder(path);
+    if (!job.out.empty() && !(again && std::filesystem::is_regular_file(job.out))) check_writable_image(job.out);
+    if (!job.stats_file.empty()) check_writable(job.stats_file);
   }
-  if (!arguments.part) return jobs;
-  const int64_t frames = static_cast<int64_t>(jobs.size()), pieces = (arguments.part->count + frames - 1) / frames;
-  const int64_t units = frames * pieces;
-  std::vector<FrameJob> chosen;
-  for (int64_t unit = units * arguments.part->index / arguments.part->count;
-       unit < units * (arguments.part->index + 1) / arguments.part->count; ++unit) {
-    const FrameJob& job = jobs[static_cast<size_t>(unit / pieces)];
-    const bool whole = pieces == 1 && arguments.frames;  // nothing to merge
-    chosen.push_back(whole ? job : part_of(job, {static_cast<int>(unit % pieces), static_cast<int>(pieces)}));
-  }
-  return chosen;
 }
 
-/// Those that are not done yet.
-std::vector<FrameJob> jobs_of(const RenderArguments& arguments, const std::string& mark) {
-  std::vector<FrameJob> jobs = all_jobs(arguments);
-  if (!arguments.frames && !arguments.part) return jobs;
+/// Leaves those that are not done yet. Pictures get their name when they are complete: what is there need not be made
+/// again, unless a disk lost some of it.
+void leave_what_is_there(const RenderArguments& arguments, const std::string& mark, std::vector<FrameJob>& jobs) {
+  if (!arguments.files.frames && !arguments.files.part) return;
   const size_t count = jobs.size();
-  std::erase_if(jobs, [&](const FrameJob& job) { return is_there(arguments, job, mark); });
+  std::erase_if(jobs, [&](const FrameJob& job) {
+    const bool found = is_there(job, mark);
+    for (const std::string& path : {job.out, job.time})
+      if (!found && job.stats_file.empty() && !path.empty() && std::filesystem::is_regular_file(path))
+        say(arguments, path + " is no whole picture: it is made again");
+    return found;
+  });
   if (jobs.size() < count)
-    say(arguments,
-        fmt::format("{} of {} {} are there already", count - jobs.size(), count, arguments.part ? "parts" : "frames"));
-  return jobs;
+    say(arguments, fmt::format("{} of {} {} are there already", count - jobs.size(), count,
+                               arguments.files.part ? "parts" : "frames"));
 }
 
-void render_job(const RenderArguments& arguments, const FrameJob& job, const std::string& mark, const Scene& scene,
-                Timings timings, std::set<std::string>& told) {
+void render_job(const RenderArguments& arguments, const FrameJob& job, Place place, const std::string& mark,
+                const Scene& scene, Timings timings, std::set<std::string>& told) {
   const Stopwatch reducing;
   SceneArguments of_job = arguments.scene;
   of_job.shot = job.shot;
@@ -163,8 +140,8 @@ void render_job(const RenderArguments& arguments, const FrameJob& job, const std
   arguments.light.background.apply(shot);
   RenderParams params = arguments.sampling.params;
   params.exposure = exposed.exposure(shot);
-  if (job.part)
-    params.crop = band_of(params.crop.value_or(Crop{0, shot.projection.width, 0, shot.projection.height}), *job.part);
+  const Crop whole = params.crop.value_or(Crop{0, shot.projection.width, 0, shot.projection.height});
+  if (job.part) params.crop = pixels_of(job, whole);
   timings.shot = reducing.seconds();
   say(arguments, fmt::format("loaded {} meshes, {} triangles in {:.2f} s; {}x{} pixels, shutter {} to {}",
                              shot.meshes.size(), triangle_count(shot.meshes), timings.load + timings.shot,
@@ -176,15 +153,15 @@ void render_job(const RenderArguments& arguments, const FrameJob& job, const std
   WriteOptions write = arguments.write;
   write.view = arguments.view.choice.value_or(usual_view(shot, arguments.sampling.params.shading));
   write.exposure = arguments.view.exposure;
-  const int frame = arguments.frames ? static_cast<int>(*job.shot.frame) : -1;
+  const int frame = arguments.files.frames ? static_cast<int>(*job.shot.frame) : -1;
   if (arguments.checkpoint) {
     MergedPicture merged;
-    with_progress(arguments, total_rays(params, shot), [&](const Progress& progress) {
+    with_progress(arguments, place, total_rays(params, shot), [&](const Progress& progress) {
       merged = render_with_checkpoints(
           {shot, params, job.out, mark, arguments.command_line, frame, write, *arguments.checkpoint}, progress);
     });
     write_interruptibly(merged.image, job.out, write);
-    remove_parts(merged, job.out);
+    remove_parts(merged.parts, job.out);
     return;
   }
 
@@ -194,16 +171,18 @@ void render_job(const RenderArguments& arguments, const FrameJob& job, const std
   std::vector<PixelConsumer*> consumers;
   RenderParams of_rays = params;
   if (!job.out.empty()) consumers.push_back(&picture.emplace(shot.projection, params));
-  if (!arguments.time.path.empty()) {
+  if (!job.time.empty()) {
     of_rays.exposure.reset();  // rays look at all of the time that the file holds
     const FrameClock clock = clock_of(exposed.options, contents(scene));
-    time.emplace(arguments.time.path, shot, of_rays, TimeFileOptions{arguments.time.tolerance, clock, mark});
+    RenderParams of_file = of_rays;  // a part holds some tiles of the whole
+    of_file.crop = whole;
+    time.emplace(job.time, shot, of_file, TimeFileOptions{arguments.time_tolerance, clock, mark});
     consumers.push_back(&*time);
     if (time->tiles_before() > 0)
-      say(arguments, fmt::format("{} of {} tiles are in '{}.part' already", time->tiles_before(), time->tiles(),
-                                 arguments.time.path));
+      say(arguments,
+          fmt::format("{} of {} tiles are in '{}.part' already", time->tiles_before(), time->tiles(), job.time));
   }
-  with_progress(arguments, total_rays(params, shot),
+  with_progress(arguments, place, total_rays(params, shot),
                 [&](const Progress& progress) { Renderer(shot).render(of_rays, consumers, &stats, progress); });
   say(arguments,
       fmt::format("built in {:.2f} s, rendered {} rays in {:.2f} s ({}rays/s) on {} threads, {}", stats.build_seconds,
@@ -213,9 +192,12 @@ void render_job(const RenderArguments& arguments, const FrameJob& job, const std
                                         : std::string("Embree")));
 
   const Stopwatch writing;
-  if (time) {
+  if (time && job.part) {
+    time->finish_part();
+    say(arguments, "wrote " + job.time);
+  } else if (time) {
     time->finish();
-    say(arguments, time_file_text(arguments.time.path));
+    say(arguments, time_file_text(job.time));
   }
   if (picture) {
     Image image = picture->take();
@@ -223,9 +205,9 @@ void render_job(const RenderArguments& arguments, const FrameJob& job, const std
     image.attributes.push_back({"kairos:command_line", arguments.command_line});
     if (job.part)
       describe_part(image, *job.part, frame, mark, write);
-    else if (arguments.frames)
+    else if (arguments.files.frames)
       image.attributes.push_back({kFrameMarkName, mark});
-    write_interruptibly(image, job.out, job.part ? part_options(arguments.out, write) : write);
+    write_interruptibly(image, job.out, job.part ? part_options(arguments.files.out, write) : write);
   }
   timings.write = writing.seconds();
   if (!job.stats_file.empty()) {
@@ -235,24 +217,20 @@ void render_job(const RenderArguments& arguments, const FrameJob& job, const std
 
 void run_render(RenderArguments& arguments) {
   read_calibration_into(arguments.sampling);
-  const std::string mark = mark_of(arguments);
-  const std::vector<FrameJob> jobs = jobs_of(arguments, mark);
-  for (const FrameJob& job : jobs) {
-    if (job.part) make_parts_folder(job.out);
-    if (!job.out.empty()) check_writable_image(job.out);
-    if (!job.stats_file.empty()) check_writable(job.stats_file);
-  }
-  if (jobs.empty()) return;
+  std::vector<FrameJob> jobs = all_jobs(arguments.files, arguments.scene.shot);
+  check_writable_files(arguments, jobs);
 
   const Stopwatch loading;
   const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
+  const std::string mark = mark_of(arguments, *scene);
+  leave_what_is_there(arguments, mark, jobs);
   Timings timings;
   timings.load = loading.seconds();
   for (const std::string& warning : contents(*scene).warnings) say(arguments, "warning: " + warning);
   std::set<std::string> told;  // notes are much the same for every frame
   const Stopwatch rendering;
   for (size_t i = 0; i < jobs.size(); ++i) {
-    render_job(arguments, jobs[i], mark, *scene, timings, told);
+    render_job(arguments, jobs[i], {i, jobs.size()}, mark, *scene, timings, told);
     const size_t left = jobs.size() - i - 1;
     const double seconds = rendering.seconds() / static_cast<double>(i + 1) * static_cast<double>(left);
     const std::string outlook = left ? fmt::format("; {} of {}, {} left", i + 1, jobs.size(), clock_time(seconds)) : "";
@@ -262,7 +240,7 @@ void run_render(RenderArguments& arguments) {
 
 void add_picture_options(CLI::App& app, RenderArguments& out) {
   RenderParams& params = out.sampling.params;
-  app.add_option("-o,--output", out.out, "The picture to write")->type_name("OUT.exr|OUT.png");
+  app.add_option("-o,--output", out.files.out, "The picture to write")->type_name("OUT.exr|OUT.png");
   app.add_flag("--half", out.write.half, "16-bit colours in EXR (depth stays 32-bit)");
   add_view_options(app, out.view);
   app.add_option_function<std::string>(
@@ -304,25 +282,25 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
   arguments->command = &command;
   add_scene_arguments(command, arguments->scene);
   add_picture_options(command, *arguments);
-  add_time_options(command, arguments->time);
+  add_time_options(command, arguments->files.time, arguments->time_tolerance);
   add_exposure_options(command, arguments->sampling.exposure);
   add_light_options(command, arguments->light);
   add_sampling_options(command, arguments->sampling);
-  command.add_option("--stats-file", arguments->stats_file, "Write times, memory and counters to this JSON file")
+  command.add_option("--stats-file", arguments->files.stats_file, "Write times, memory and counters to this JSON file")
       ->type_name("F.json");
   command
       .add_option_function<std::string>(
-          "--frames", [arguments](const std::string& text) { arguments->frames = parse_frames("--frames", text); },
+          "--frames",
+          [arguments](const std::string& text) { arguments->files.frames = parse_frames("--frames", text); },
           "Render these frames, each as with --frame; names of files then have %04d. Those that are there are skipped")
       ->type_name("A-B")
       ->excludes("--frame")
       ->excludes("--time");
   command
       .add_option_function<std::string>(
-          "--part", [arguments](const std::string& text) { arguments->part = parse_part("--part", text); },
+          "--part", [arguments](const std::string& text) { arguments->files.part = parse_part("--part", text); },
           "Render part I of N of the job, to be merged (kairos merge); of a Slurm array, the task's part")
       ->type_name("I/N|slurm")
-      ->excludes("--time")
       ->excludes("--stats-file");
   add_real(
       command, "--checkpoint",
@@ -332,13 +310,14 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
         arguments->checkpoint = seconds;
       });
   for (const char* other : {"--part", "--time", "--stats-file"}) command.get_option("--checkpoint")->excludes(other);
+  add_progress_option(command, arguments->progress);
   command.add_flag("--quiet", arguments->quiet, "No log and no progress, errors only");
   command.callback([arguments, &chosen, &command] {
     choose_integrator(command, arguments->sampling.params);
-    if (arguments->out.empty() && arguments->time.path.empty()) throw CLI::RequiredError("--output");
-    if (arguments->frames) {
-      FrameName::check("--output", arguments->out);
-      if (!arguments->stats_file.empty()) FrameName::check("--stats-file", arguments->stats_file);
+    if (arguments->files.out.empty() && arguments->files.time.empty()) throw CLI::RequiredError("--output");
+    if (arguments->files.frames) {
+      FrameName::check("--output", arguments->files.out);
+      if (!arguments->files.stats_file.empty()) FrameName::check("--stats-file", arguments->files.stats_file);
     }
     arguments->sampling.params.threads = arguments->scene.threads;
     const std::vector<Aov>& aovs = arguments->sampling.params.aovs;
@@ -346,8 +325,8 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
                                      std::find(aovs.begin(), aovs.end(), Aov::albedo) != aovs.end();
     arguments->scene.shot.strict = arguments->scene.load.strict;
     arguments->light.apply(command, arguments->sampling.params, arguments->scene.shot);
-    check_view(command, arguments->out);
-    chosen = [arguments] { run_render(*arguments); };
+    check_view(command, arguments->files.out);
+    chosen = [arguments] { tell_failure(arguments->progress, [&] { run_render(*arguments); }); };
   });
 }
 

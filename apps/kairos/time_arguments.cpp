@@ -35,15 +35,15 @@ double parse_tolerance(const std::string& option, const std::string& text) {
 
 }  // namespace
 
-void add_time_options(CLI::App& app, TimeArguments& out) {
+void add_time_options(CLI::App& app, std::string& path, double& tolerance) {
   app.add_option(
-         "--time", out.path,
+         "--time", path,
          "Also write what every pixel shows at every instant of the shutter's time, for kairos expose; what was "
          "begun before is continued")
       ->type_name("OUT.ktime");
   app.add_option_function<std::string>(
          "--time-tolerance",
-         [&out](const std::string& text) { out.tolerance = parse_tolerance("--time-tolerance", text); },
+         [&tolerance](const std::string& text) { tolerance = parse_tolerance("--time-tolerance", text); },
          "How far an exposure of LENGTH of the shutter's time, or longer, may be off; or exact")
       ->type_name("ERROR[@LENGTH]|exact")
       ->default_str("1/1024@1/8")

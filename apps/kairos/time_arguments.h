@@ -10,12 +10,8 @@
 
 namespace kairos::cli {
 
-struct TimeArguments {
-  std::string path;  ///< empty: none is written
-  double tolerance = TimeQuality().tolerance;
-};
-/// --time, --time-tolerance.
-void add_time_options(CLI::App& app, TimeArguments& out);
+/// --time, --time-tolerance. path: empty where none is to be written.
+void add_time_options(CLI::App& app, std::string& path, double& tolerance);
 
 /// From when a shot's shutter times are counted.
 FrameClock clock_of(const ShotOptions& options, const SceneContents& scene);

@@ -98,7 +98,8 @@ struct EventOptions {
   /// Seconds that are rendered at once, at multiples of it: memory and, by rounding, the stream's last bits depend on
   /// it.
   double chunk = 0.5;
-  bool labels = false;  ///< tells the sink what made each pixel fire: EventSink::add_labelled
+  std::optional<Crop> crop;  ///< the pixels that are recorded: their events are those of a recording of all
+  bool labels = false;       ///< tells the sink what made each pixel fire: EventSink::add_labelled
   /// Changes the shot of each chunk, before it is rendered.
   std::function<void(Shot&)> change_shot = {};
 };

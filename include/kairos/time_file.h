@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <kairos/export.h>
 #include <kairos/time_picture.h>
@@ -39,6 +40,12 @@ class KAIROS_API TimeFileWriter : public PixelConsumer {
 
   /// Puts the tiles in order. Throws Error(io), and Error(bad_usage) where pixels are missing.
   void finish();
+  /// In place of finish(): makes PATH of the tiles that are there, for merge_time_files. Throws Error(io).
+  void finish_part();
+
+  /// Pixels: the side of a tile, counted from the upper left pixel that is held. Who renders a part of a picture
+  /// renders whole tiles; a tile of which a pixel is missing is not kept.
+  static constexpr int kTileSide = 32;
 
  private:
   class File;
@@ -51,6 +58,7 @@ struct TimeFileInfo {
   uint64_t bytes = 0;
   uint64_t tiles = 0, tiles_there = 0;
   bool finished = true;  ///< false: a part, which rendering has not come to the end of
+  std::string mark;      ///< TimeFileOptions::mark
 };
 
 /// Reads such a file, or the part of one. Tiles are read when they are first needed, and kept.
@@ -74,5 +82,9 @@ class KAIROS_API TimeFile {
   TimePicture picture_;
   std::string path_;
 };
+
+/// Makes `path` of parts of a picture (TimeFileWriter::finish_part): the bytes that one writer gives. Throws
+/// Error(bad_input) where one is of another rendering or damaged, a tile is missing, or there twice; Error(io).
+KAIROS_API void merge_time_files(const std::vector<std::string>& parts, const std::string& path);
 
 }  // namespace kairos

@@ -1,7 +1,6 @@
 #include "base/atomic_file.h"
 
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <random>
 
@@ -11,6 +10,8 @@
 
 #include <kairos/error.h>
 #include <kairos/files.h>
+
+#include "base/system_error.h"
 
 namespace kairos {
 
@@ -24,8 +25,7 @@ std::string folder_of(const std::string& path) {
 }
 
 [[noreturn]] void refuse(const std::string& path, int reason) {
-  throw Error(ErrorCode::io, path,
-              std::string("cannot be written: ") + std::strerror(reason) + "; check the folder and its permissions");
+  throw_system_error(path, "cannot be written", reason, "; check the folder and its permissions");
 }
 
 /// What a link stands for, whether that exists or not: renaming onto a link would replace the link.
@@ -90,9 +90,7 @@ AtomicFile::~AtomicFile() {
   std::remove(temporary_.c_str());
 }
 
-void AtomicFile::fail(const char* what) const {
-  throw Error(ErrorCode::io, path_, std::string(what) + ": " + std::strerror(errno));
-}
+void AtomicFile::fail(const char* what) const { throw_system_error(path_, what, errno); }
 
 void AtomicFile::write(const void* data, size_t size) {
   if (std::fwrite(data, 1, size, file_) != size) fail("cannot be written");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
@@ -17,6 +18,8 @@
 #include <tbb/task_group.h>
 
 #include <kairos/error.h>
+
+#include "base/cgroup_limit.h"
 
 #if defined(__SANITIZE_THREAD__)
 #define KAIROS_SANITIZES_THREADS 1
@@ -78,6 +81,17 @@ void hand_over(const Run& run, const Body& body) {
     const AtTheEnd sent([&] { back.send(); });
     body(arguments...);
   });
+}
+
+/// As many threads as the machine has that this process may run on (TBB asks for those), but no more than a control
+/// group lets work at a time: others would only wait for their turn, all of them at once.
+int machine_threads() {
+  static const int threads = [] {
+    const double most = std::ceil(cgroup_cpus());
+    const int all = tbb::info::default_concurrency();
+    return most < all ? std::max(static_cast<int>(most), 1) : all;
+  }();
+  return threads;
 }
 
 class Arena {
@@ -183,8 +197,11 @@ int thread_count() {
 }
 
 void with_threads(int threads, const std::function<void()>& body, const std::function<bool()>& watch) {
-  if (watch) return run_watched(threads > 0 ? threads : thread_count(), body, watch);
-  if (threads <= 0) return body();
+  const int here = thread_count();
+  // Nobody has wished for anything where it is as many as the machine has.
+  if (threads <= 0) threads = here == tbb::info::default_concurrency() ? machine_threads() : here;
+  if (watch) return run_watched(threads, body, watch);
+  if (threads == here) return body();
   Arena(threads).execute(body);
 }
 

@@ -2,7 +2,6 @@
 
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <vector>
 
 #include <unistd.h>
@@ -10,6 +9,7 @@
 #include <kairos/error.h>
 
 #include "base/file.h"
+#include "base/system_error.h"
 
 namespace kairos {
 
@@ -36,9 +36,7 @@ ScratchFile::~ScratchFile() {
   if (file_ != nullptr) std::fclose(file_);
 }
 
-void ScratchFile::fail() const {
-  throw Error(ErrorCode::io, path_, std::string("cannot be written: ") + std::strerror(errno));
-}
+void ScratchFile::fail() const { throw_system_error(path_, "cannot be written", errno); }
 
 void ScratchFile::write(const void* data, size_t size) {
   if (std::fwrite(data, 1, size, file_) != size) fail();

@@ -64,9 +64,15 @@ class EventBlock {
         {nanoseconds, static_cast<uint16_t>(x), static_cast<uint16_t>(y), static_cast<int8_t>(on ? 1 : -1), kind});
     if (events_.size() == kBlock) flush();
   }
+  /// To the event that is added next. Either all have one or none.
+  void label_next(const EventLabel& label) { labels_.push_back(label); }
   void flush() {
-    if (!events_.empty()) sink_.add(events_);
+    if (!labels_.empty())
+      sink_.add_labelled(events_, labels_);
+    else if (!events_.empty())
+      sink_.add(events_);
     events_.clear();
+    labels_.clear();
   }
 
  private:
@@ -74,6 +80,7 @@ class EventBlock {
 
   EventSink& sink_;
   std::vector<Event> events_;
+  std::vector<EventLabel> labels_;  // [event], or empty
 };
 
 }  // namespace kairos

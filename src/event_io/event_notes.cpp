@@ -1,5 +1,5 @@
 // What a recording is and how it was made, as JSON beside it.
-#include <nlohmann/json.hpp>
+#include "event_io/event_notes.h"
 
 #include <kairos/event_file.h>
 #include <kairos/files.h>
@@ -32,8 +32,7 @@ ordered_json sensor_json(const EventSensor& sensor) {
 
 }  // namespace
 
-void write_event_notes(const std::string& path, const EventOptions& options, const EventStats& stats,
-                       const std::string& command_line) {
+ordered_json event_notes(const EventOptions& options, const EventStats& stats, const std::string& command_line) {
   ordered_json json;
   json["kairos"] = std::string(version());
   json["command_line"] = command_line;
@@ -61,7 +60,16 @@ void write_event_notes(const std::string& path, const EventOptions& options, con
   json["fastest_edge_px_per_s"] = stats.fastest;
   const EventErrors errors = event_errors(options);
   json["errors_px"] = {{"motion", errors.motion}, {"edges", errors.area}};
-  write_file(path, json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+  return json;
+}
+
+void write_notes(const std::string& path, const ordered_json& notes) {
+  write_file(path, notes.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+}
+
+void write_event_notes(const std::string& path, const EventOptions& options, const EventStats& stats,
+                       const std::string& command_line) {
+  write_notes(path, event_notes(options, stats, command_line));
 }
 
 }  // namespace kairos

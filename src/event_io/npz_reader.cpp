@@ -126,6 +126,20 @@ EventKind kind_of(const std::optional<Numbers>& kinds, uint64_t index) {
   return kind == 1 ? EventKind::leak : kind == 2 ? EventKind::shot : EventKind::signal;
 }
 
+/// What made pixels fire, where an archive says so.
+struct Labels {
+  Numbers surface, behind, depth, flow_x, flow_y, edge;
+
+  EventLabel at(uint64_t index) const {
+    const auto real = [&](const Numbers& numbers) { return static_cast<float>(numbers.real(index)); };
+    return {static_cast<uint32_t>(surface.whole(index)),
+            static_cast<uint32_t>(behind.whole(index)),
+            real(depth),
+            {real(flow_x), real(flow_y)},
+            edge.whole(index) != 0};
+  }
+};
+
 /// Checks what an event says before it becomes one.
 void add_checked(EventBlock& block, const std::string& place, uint64_t index, int64_t nanoseconds, int64_t x, int64_t y,
                  int64_t polarity, EventKind kind) {
@@ -155,8 +169,19 @@ EventFileFacts read_npz(const std::string& path, std::span<const uint8_t> bytes,
     facts.width = static_cast<int>(std::clamp<int64_t>(resolution->whole(0), 0, 65535));
     facts.height = static_cast<int>(std::clamp<int64_t>(resolution->whole(1), 0, 65535));
   }
+  std::optional<Labels> labels;
+  const auto surface = find("surface"), behind = find("behind"), depth = find("depth"), flow_x = find("flow_x"),
+             flow_y = find("flow_y"), edge = find("edge");
+  if (surface && behind && depth && flow_x && flow_y && edge) {
+    for (const auto* column : {&surface, &behind, &depth, &flow_x, &flow_y, &edge})
+      if ((*column)->count() != t->count()) refuse_archive(path, "has labels of another number than its events");
+    for (const auto* column : {&depth, &flow_x, &flow_y})
+      if (!(*column)->is_real()) refuse_archive(path, "has labels of whole numbers where they are real");
+    labels.emplace(Labels{*surface, *behind, *depth, *flow_x, *flow_y, *edge});
+  }
   EventBlock block(sink);
   for (uint64_t i = 0; i < t->count(); ++i) {
+    if (labels) block.label_next(labels->at(i));
     add_checked(block, path, i, nanoseconds_of(*t, i, ns_per_tick), x->whole(i), y->whole(i), p->whole(i),
                 kind_of(kind, i));
   }

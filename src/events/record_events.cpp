@@ -88,7 +88,7 @@ EventStats record_events(const Scene& scene, const EventOptions& options, EventS
   params.shading_interval = 1;
   params.shading_samples = options.looks / 2;  // and as many halfway between
   params.exposure.reset();
-  params.crop.reset();
+  params.crop = options.crop;
   params.aovs.clear();
 
   EventStats stats;

@@ -121,6 +121,7 @@ TimeFile TimeFile::open(const std::string& path) {
   info.bytes = size;
   info.tiles = grid.count();
   info.finished = head.finished();
+  info.mark = description.mark;
   std::vector<IndexEntry> entries;
   if (head.finished()) {
     if (head.file_bytes != size) throw damaged("is cut off, or has grown; render it again");

@@ -1,5 +1,4 @@
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <map>
 
@@ -11,17 +10,16 @@
 #include <kairos/files.h>
 #include <kairos/time_file.h>
 
-#include "base/atomic_file.h"
+#include "base/system_error.h"
 #include "time_io/chunk_scan.h"
 #include "time_io/file_layout.h"
+#include "time_io/finished_file.h"
 
 namespace kairos {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& path, const char* what) {
-  throw Error(ErrorCode::io, path, std::string(what) + ": " + std::strerror(errno));
-}
+[[noreturn]] void fail(const std::string& path, const char* what) { throw_system_error(path, what, errno); }
 
 /// A file that grows by whole pieces, and that one program at a time writes.
 class GrowingFile {
@@ -43,6 +41,9 @@ class GrowingFile {
   void go_on_at(uint64_t size) {
     if (ftruncate(file_, static_cast<off_t>(size)) != 0) fail(path_, "cannot be written");
     size_ = size;
+  }
+  void flush() const {
+    if (fsync(file_) != 0 && errno != EINVAL && errno != ENOTSUP) fail(path_, "cannot be written");
   }
   /// Returns where it lies.
   uint64_t append(std::span<const uint8_t> bytes) {
@@ -105,29 +106,20 @@ class TimeFileWriter::File {
   void finish() {
     if (entries_.size() != tiles())
       throw Error(ErrorCode::bad_usage, part_path_, "is not finished: pixels of the picture were not rendered");
-    uint64_t offset = kFileHeadBytes + text_.size();
-    std::vector<IndexEntry> index;
-    for (const auto& [number, entry] : entries_) {
-      index.push_back({entry.head, offset});
-      offset += aligned(kChunkHeadBytes + entry.head.packed_bytes);
-    }
-    FileHead head;
-    head.index_offset = offset;
-    head.file_bytes = offset + index_size(index.size());
-    head.chunks = static_cast<uint32_t>(index.size());
-    AtomicFile out(path_);
-    const auto write = [&](const std::vector<uint8_t>& bytes) { out.write(bytes.data(), bytes.size()); };
-    write(head_bytes(head, text_));
-    std::vector<uint8_t> bytes;
-    for (const auto& [number, entry] : entries_) {
-      bytes.resize(aligned(kChunkHeadBytes + entry.head.packed_bytes));
-      if (!read_at(part_.descriptor(), entry.offset, bytes)) fail(part_path_, "cannot be read");
-      write(bytes);
-    }
-    write(index_bytes(index));
-    out.commit();
+    std::vector<ChunkHead> tiles;
+    for (const auto& [number, entry] : entries_) tiles.push_back(entry.head);
+    write_time_file(path_, text_, tiles, [this](size_t tile, std::span<uint8_t> bytes) {
+      if (!read_at(part_.descriptor(), entries_.at(tile).offset, bytes)) fail(part_path_, "cannot be read");
+    });
     std::error_code ec;
     std::filesystem::remove(part_path_, ec);
+  }
+
+  void finish_part() {
+    part_.flush();
+    std::error_code ec;
+    std::filesystem::rename(part_path_, path_, ec);
+    if (ec) throw Error(ErrorCode::io, path_, "cannot be written: " + ec.message());
   }
 
  private:
@@ -173,6 +165,8 @@ class TimeFileWriter::File {
   std::vector<std::unique_ptr<TilePacker>> packers_;
 };
 
+static_assert(TimeFileWriter::kTileSide == kTimeTileSide);
+
 TimeFileWriter::TimeFileWriter(const std::string& path, const Shot& shot, const RenderParams& params,
                                const TimeFileOptions& options)
     : needs_(time_needs(params)) {
@@ -189,5 +183,6 @@ void TimeFileWriter::add(const PixelRecord& record) { file_->add(record); }
 size_t TimeFileWriter::tiles() const { return file_->tiles(); }
 size_t TimeFileWriter::tiles_before() const { return file_->tiles_before(); }
 void TimeFileWriter::finish() { file_->finish(); }
+void TimeFileWriter::finish_part() { file_->finish_part(); }
 
 }  // namespace kairos

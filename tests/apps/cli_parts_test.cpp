@@ -4,6 +4,8 @@
 #include <random>
 #include <span>
 
+#include <nlohmann/json.hpp>
+
 #include <kairos/image.h>
 
 #include "cli.h"
@@ -11,6 +13,8 @@
 
 namespace kairos {
 namespace {
+
+using nlohmann::json;
 
 class CliParts : public CliTest {
  protected:
@@ -44,13 +48,16 @@ class CliParts : public CliTest {
 TEST_F(CliParts, MakeThePictureThatOneMachineMakes) {
   std::mt19937 random(test::seed());
   const auto one_of = [&](std::vector<std::string> choices) { return choices[random() % choices.size()]; };
+  std::vector<int> counts = {1, 2, 7, 16};
+  std::shuffle(counts.begin(), counts.end(), random);
   for (const std::string integrator : {"tc", "qmc", "mixed", "auto"}) {
     const bool exr = integrator == "tc" || integrator == "mixed";
     const std::string ending = exr ? ".exr" : ".png";
     std::string options = "--integrator " + integrator + " --filter " + one_of({"box", "gaussian", "blackman-harris"}) +
                           one_of({"", " --crop 3,30,2,19"});
     options += exr ? " --aov depth,mesh" + one_of({"", " --half"}) : " --view filmic --exposure 3";
-    const int count = 1 + static_cast<int>(random() % 7);
+    const int count = counts.back();
+    counts.pop_back();
     SCOPED_TRACE(options + " " + std::to_string(count) + " parts" + ending);
     ASSERT_EQ(run(kShot + options + " -o whole" + ending).status, 0);
     for (int i = count; i > 0; --i)
@@ -110,6 +117,15 @@ TEST_F(CliParts, AreMergedWhenAllAreThereOnceAndOfOneJob) {
   render("3/3", " --seed 7");
   expect_refused("merge a.exr", {"00003-of-00003.exr", "of another job than", "00001-of-00003.exr"});
   expect_refused(std::string(kShot) + "-o a.exr --part 3/3", {"00003-of-00003.exr", "made otherwise"});
+  std::filesystem::remove(third);
+  render("3/3", " --instruction-set scalar");
+  expect_refused("merge a.exr", {"00003-of-00003.exr", "of another job than", "instruction sets"});
+  std::filesystem::remove(third);
+  const std::string bar = read(path("bar_1.obj"));
+  write("bar_1.obj", bar + "# which the scene's file names\n");
+  render("3/3");
+  expect_refused("merge a.exr", {"00003-of-00003.exr", "of another job than", "scene files"});
+  write("bar_1.obj", bar);
   write("a.exr.parts/00003-of-00003.exr", kept);
   write("a.exr.parts/copy.exr", kept);
   expect_refused("merge a.exr", {"copy.exr", "the same part as"});
@@ -163,6 +179,95 @@ TEST_F(CliParts, OfAPictureThatWasKilledAreNotRenderedAgain) {
   EXPECT_EQ(run(shot + " -o c.exr --checkpoint -1").status, 2);
 }
 
+TEST_F(CliParts, OfPicturesOverTimeMakeTheFileThatOneMachineMakes) {
+  std::mt19937 random(test::seed());
+  const std::string integrator = std::vector<std::string>{"tc", "mixed", "auto"}[random() % 3];
+  const std::string shot = "render scene.json --quiet --tc-rays 2 --spp 4 --size 40x130 --integrator " + integrator;
+  ASSERT_EQ(run(shot + " --time whole.ktime -o whole.exr").status, 0);
+  for (const std::string count : {"1", "3", "5"}) {
+    SCOPED_TRACE(integrator + " " + count);
+    for (int i = std::stoi(count); i > 0; --i)
+      ASSERT_EQ(run(shot + " --time a.ktime -o a.exr --part " + std::to_string(i) + "/" + count).status, 0);
+    const CliResult merged = run("merge a.ktime a.exr --clean");
+    ASSERT_EQ(merged.status, 0) << merged.err;
+    EXPECT_TRUE(read(path("a.ktime")) == read(path("whole.ktime")));
+    expect_same("a.exr", "whole.exr");
+    EXPECT_FALSE(exists("a.ktime.parts") || exists("a.exr.parts"));
+  }
+  EXPECT_EQ(run(shot + " --time a.ktime --part 1/6").status, 2) << "of 5 rows of tiles";
+
+  const auto render = [&](const std::string& part, const std::string& more = "") {
+    ASSERT_EQ(run(shot + " --time b.ktime --part " + part + more).status, 0);
+  };
+  const std::string first = path("b.ktime.parts/00001-of-00002.ktime"),
+                    second = path("b.ktime.parts/00002-of-00002.ktime");
+  render("1/2");
+  expect_refused("merge b.ktime", {"1 of 2 parts are not there: 2"});
+  render("2/2", " --seed 7");
+  expect_refused("merge b.ktime", {"00002-of-00002.ktime", "of another rendering than"});
+  expect_refused(shot + " --time b.ktime --part 2/2", {"00002-of-00002.ktime", "made otherwise"});
+  std::filesystem::remove(second);
+  render("2/2");
+  std::filesystem::resize_file(second, std::filesystem::file_size(second) - 5);
+  expect_refused("merge b.ktime", {"no part holds the pixels", "of rows 128 to 129"});
+  render("2/2");  // which finds that it is cut off
+  const std::string kept = read(second);
+  std::filesystem::copy_file(first, second, std::filesystem::copy_options::overwrite_existing);
+  expect_refused("merge b.ktime", {"00002-of-00002.ktime", "has pixels that", "00001-of-00002.ktime"});
+  std::filesystem::copy_file(path("whole.ktime"), second, std::filesystem::copy_options::overwrite_existing);
+  expect_refused("merge b.ktime", {"00002-of-00002.ktime", "whole picture over time"});
+  write("b.ktime.parts/00002-of-00002.ktime", kept);
+  ASSERT_EQ(run("merge b.ktime --quiet").status, 0);
+  EXPECT_TRUE(read(path("b.ktime")) == read(path("whole.ktime")));
+}
+
+TEST_F(CliParts, OfRecordingsOfEventsMakeTheFileThatOneMachineMakes) {
+  std::mt19937 random(test::seed());
+  struct Case {
+    std::string out, options;
+  };
+  const std::string noise = " --leak 2 --shot-noise 3 --mismatch 0.02";
+  for (const Case& c : std::vector<Case>{{"a.npz", " --labels --time-unit ns" + noise},
+                                         {"b.txt", " --text-header v2e --epoch 1.5" + noise},
+                                         {"c.raw", " --evt 2"},
+                                         {"d.h5", ""}}) {
+    const int count = 1 + static_cast<int>(random() % 5);
+    SCOPED_TRACE(c.out + c.options + " " + std::to_string(count));
+    const std::string record =
+        "events scene.json --quiet --size 24x16 --to 0.4 --seed " + std::to_string(random() % 100) + c.options + " -o ";
+    ASSERT_EQ(run(record + "whole_" + c.out).status, 0);
+    for (int i = count; i > 0; --i)
+      ASSERT_EQ(run(record + c.out + " --part " + std::to_string(i) + "/" + std::to_string(count)).status, 0);
+    const CliResult merged = run("merge --clean " + c.out);
+    ASSERT_EQ(merged.status, 0) << merged.err;
+    EXPECT_GT(std::filesystem::file_size(path(c.out)), 500u);
+    if (!c.out.ends_with(".h5")) {  // which says when it was written
+      EXPECT_TRUE(read(path(c.out)) == read(path("whole_" + c.out)));
+    }
+    const CliResult compared = run("events compare " + c.out + " whole_" + c.out);
+    EXPECT_EQ(compared.status, 0) << compared.out << compared.err;
+    EXPECT_FALSE(exists(c.out + ".parts"));
+    json notes = json::parse(read(path(c.out + ".json"))), whole = json::parse(read(path("whole_" + c.out + ".json")));
+    for (json* each : {&notes, &whole})
+      for (const char* name : {"command_line", "cpu_s"}) each->erase(name);
+    EXPECT_EQ(notes, whole);
+  }
+
+  const std::string record = "events scene.json --quiet --size 24x16 --to 0.4 -o e.npz ";
+  ASSERT_EQ(run(record + "--part 1/2").status, 0);
+  expect_refused("merge e.npz", {"1 of 2 parts are not there: 2"});
+  ASSERT_EQ(run(record + "--part 2/2 --seed 7").status, 0);
+  expect_refused("merge e.npz", {"00002-of-00002.npz", "of another recording than"});
+  expect_refused(record + "--part 2/2", {"00002-of-00002.npz", "made otherwise"});
+  std::filesystem::remove(path("e.npz.parts/00002-of-00002.npz"));
+  ASSERT_EQ(run(record + "--part 2/2").status, 0) << "what is there is not all of a part";
+  std::filesystem::resize_file(path("e.npz.parts/00002-of-00002.npz"), 400);
+  expect_refused("merge e.npz", {"00002-of-00002.npz", "numpy archive"});
+  EXPECT_FALSE(exists("e.npz"));
+  EXPECT_EQ(run(record + "-o f.npz --part 1/2").status, 2) << "one file";
+  EXPECT_EQ(run(record + "--part 1/17").status, 2) << "of 16 rows";
+}
+
 // A scheduler stands in for Slurm: it runs each task of the array, and then what depends on it.
 TEST_F(CliParts, AreWhatTheScriptForSlurmSubmits) {
   write("sbatch", R"(#!/bin/sh
@@ -185,6 +290,10 @@ echo 17
   expect_same("a b.exr", "whole.exr");
   EXPECT_NE(read(path("log")).find("wrote a b.exr from 3 parts"), std::string::npos);
 
+  const CliResult other = run("jobs slurm --parts 2 events scene.json -o e.npz");
+  EXPECT_NE(other.out.find("exec kairos events scene.json -o e.npz --part slurm"), std::string::npos) << other.out;
+  const CliResult both = run("jobs slurm --parts 2 scene.json -o e.exr --time e.ktime --frame 2");
+  EXPECT_NE(both.out.find("exec kairos merge e.exr e.ktime --clean"), std::string::npos) << both.out;
   const CliResult job = run("jobs openjd " + options + " --parts 3");
   for (const std::string text : {"range: \"1-3\"", "- \"a b.exr\"", "{{Task.Param.Part}}/3", "dependsOn: Render"})
     EXPECT_NE(job.out.find(text), std::string::npos) << job.out;

@@ -163,6 +163,31 @@ TEST_F(CliRender, ProgressWithoutATerminalIsPlainLines) {
   EXPECT_EQ(result.err.find('\x1b'), std::string::npos);
 }
 
+TEST_F(CliRender, ProgressForOpenJobDescriptionIsOnStandardOutput) {
+  const std::string shot = "render scene.json -o p%d.png --tc-rays 100 --fps 8 --quiet --progress openjd ";
+  const CliResult result = run(shot + "--frames 0-2");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  std::istringstream lines(result.out);
+  double last = -1;
+  for (std::string line; std::getline(lines, line);) {
+    ASSERT_EQ(line.rfind("openjd_progress: ", 0), 0u) << line;
+    const double percent = std::stod(line.substr(line.find(' ')));
+    EXPECT_GT(percent, last) << "of all frames";
+    last = percent;
+  }
+  EXPECT_EQ(last, 100);
+  const CliResult failed = run("render absent.json -o a.png --progress openjd");
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_EQ("kairos: " + failed.out.substr(failed.out.find(' ') + 1), failed.err);
+  EXPECT_EQ(failed.out.rfind("openjd_fail: absent.json", 0), 0u) << failed.out;
+}
+
+TEST_F(CliRender, ThreadsAreThoseThatTheProcessMayRunOn) {
+  const CliResult result = run("render scene.json -o a.png", "taskset -c 0 ");
+  EXPECT_NE(result.err.find(" on 1 threads"), std::string::npos) << result.err;
+}
+
 struct Interruption {
   const char* scene;
   int signal, milliseconds;  // when it comes
@@ -190,7 +215,7 @@ TEST_P(Interrupted, EndsAtOnceAndLeavesNothing) {
   int status = 0;
   waitpid(child, &status, 0);
   ASSERT_TRUE(WIFEXITED(status)) << "killed by signal " << WTERMSIG(status);
-  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_EQ(WEXITSTATUS(status), GetParam().signal == SIGTERM ? 75 : 1);
   EXPECT_EQ(read(path("log.txt")), "kairos: interrupted\n");
   EXPECT_EQ(files(), before);
 }

@@ -148,6 +148,7 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--frames", "0-1"},
                                                        {"--part", "1/2"},
                                                        {"--checkpoint", "60"},
+                                                       {"--progress", "openjd"},
                                                        {"--fps", "24"},
                                                        {"--shutter", "-0.25,0.25"},
                                                        {"--rolling", "top:20ms"},

@@ -11,6 +11,9 @@
 
 #include <kairos/error.h>
 
+#include "base/cgroup_limit.h"
+#include "temp_folder.h"
+
 namespace kairos {
 namespace {
 
@@ -25,6 +28,35 @@ TEST(Parallel, AnArenaHasTheThreadsAskedFor) {
     with_threads(threads, [&] { with_threads(0, [&] { counted = thread_count(); }); });
     EXPECT_EQ(counted, threads) << "no wish of its own";
   }
+}
+
+TEST(Parallel, ControlGroupsLimitProcessors) {
+  const TempFolder folder;
+  const auto cpus = [&](const std::string& groups) {
+    return cgroup_cpus(folder.write("groups", groups), folder.path("fs"));
+  };
+  EXPECT_EQ(cpus("0::/\n"), kNoCpuLimit);
+  EXPECT_EQ(cpus(""), kNoCpuLimit);
+  EXPECT_EQ(cgroup_cpus(folder.path("absent"), folder.path("absent")), kNoCpuLimit);
+  // Version 2: the least of a group's own and those above it.
+  folder.write("fs/a/b/cpu.max", "max 100000\n");
+  EXPECT_EQ(cpus("0::/a/b\n"), kNoCpuLimit);
+  folder.write("fs/a/cpu.max", "150000 100000\n");
+  EXPECT_EQ(cpus("0::/a/b\n"), 1.5);
+  EXPECT_EQ(cpus("0::/a/b/not/there\n"), 1.5);
+  EXPECT_EQ(cpus("0::/c\n"), kNoCpuLimit);
+  folder.write("fs/a/b/cpu.max", "25000 50000 \n");
+  EXPECT_EQ(cpus("0::/a/b\n"), 0.5);
+  folder.write("fs/a/b/cpu.max", "nonsense");
+  EXPECT_EQ(cpus("0::/a/b\n"), 1.5);
+  // Version 1, whose folder has one name or that of all its controllers.
+  folder.write("fs/cpu,cpuacct/job/cpu.cfs_quota_us", "300000\n");
+  folder.write("fs/cpu,cpuacct/job/cpu.cfs_period_us", "100000\n");
+  EXPECT_EQ(cpus("4:memory:/job\n3:cpu,cpuacct:/job\n0::/\n"), 3);
+  EXPECT_EQ(cpus("3:cpuacct:/job\n2:cpuset:/job\n"), kNoCpuLimit);
+  folder.write("fs/cpu/job/cpu.cfs_quota_us", "-1\n");
+  folder.write("fs/cpu/job/cpu.cfs_period_us", "100000\n");
+  EXPECT_EQ(cpus("1:cpu:/job\n"), kNoCpuLimit);
 }
 
 TEST(Parallel, OneThreadStaysOne) {
