@@ -37,13 +37,13 @@ if(HELP2MAN)
   list(TRANSFORM subcommands REPLACE ".*add_([a-z]+)_command.*" "\\1")
   foreach(subcommand IN ITEMS "" LISTS subcommands)
     string(JOIN - page kairos ${subcommand})
-    string(JOIN " " call $<TARGET_FILE:kairos_cli> ${subcommand})
-    list(APPEND commands COMMAND ${HELP2MAN} --no-info --section 1 --name "ray tracing in which time is integrated exactly"
-      --version-string ${PROJECT_VERSION} --output ${words_dir}/${page}.1 ${call})
+    list(APPEND commands COMMAND ${CMAKE_COMMAND} -DHELP2MAN=${HELP2MAN} -DPROGRAM=$<TARGET_FILE:kairos_cli>
+      -DSUBCOMMAND=${subcommand} -DVERSION=${PROJECT_VERSION} -DOUT=${words_dir}/${page}.1
+      -P ${PROJECT_SOURCE_DIR}/cmake/man_page.cmake)
     list(APPEND made ${words_dir}/${page}.1)
     install(FILES ${words_dir}/${page}.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
   endforeach()
 endif()
 file(MAKE_DIRECTORY ${words_dir})
-add_custom_command(OUTPUT ${made} ${commands} DEPENDS kairos_cli VERBATIM)
+add_custom_command(OUTPUT ${made} ${commands} DEPENDS kairos_cli ${PROJECT_SOURCE_DIR}/cmake/man_page.cmake VERBATIM)
 add_custom_target(kairos_words ALL DEPENDS ${made})
