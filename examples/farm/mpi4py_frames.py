@@ -1,0 +1,31 @@
+"""A sequence on the ranks of an MPI job. Frames have the bits that one machine gives them.
+
+Usage: mpirun --bind-to none -np 4 python3 -m mpi4py.futures mpi4py_frames.py [SCENE [OUT_FOLDER]], with mpi4py (pip install mpi4py, or
+Debian's python3-mpi4py); rank 0 hands out the frames
+"""
+
+import pathlib
+import sys
+
+from mpi4py.futures import MPIPoolExecutor
+
+import kairos
+
+SCENE = sys.argv[1] if len(sys.argv) > 1 else "out/demo.glb"
+FOLDER = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else "out/mpi4py")
+FRAMES = range(24, 28)
+
+
+def render(frame):
+    """One frame on one rank: it loads the scene itself, since scenes do not travel."""
+    shot = kairos.load(SCENE).shot(frame=frame, shutter=(0, 0.5), size=(160, 90))
+    image = shot.render(spp=4, threads=1)
+    image.write(FOLDER / f"frame_{frame:04}.exr")
+    return frame, float(image.rgb.mean())
+
+
+if __name__ == "__main__":
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    with MPIPoolExecutor() as ranks:
+        for frame, mean in ranks.map(render, FRAMES, unordered=True):
+            print(f"frame {frame}: mean {mean:.4f}")
