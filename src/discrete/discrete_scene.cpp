@@ -28,19 +28,53 @@ static_assert(kMaxTimeSteps == RTC_MAX_TIME_STEP_COUNT);
 /// hall) and as fast where they don't; of fewer than nine, half of the lanes would be empty.
 constexpr size_t kLargePacket = 16, kSmallPacket = 8;
 
+/// Rays begin beyond their origin: a surface in which the eye lies is seen by none, as by no time-continuous one.
+constexpr float kNearest = std::numeric_limits<float>::min();
+
 struct LargePacket {
   static constexpr size_t kSize = kLargePacket;
   using Query = RTCRayHit16;
   static constexpr auto kIntersect = rtcIntersect16;
+  using ShadowQuery = RTCRay16;
+  static constexpr auto kOccluded = rtcOccluded16;
 };
 struct SmallPacket {
   static constexpr size_t kSize = kSmallPacket;
   using Query = RTCRayHit8;
   static constexpr auto kIntersect = rtcIntersect8;
+  using ShadowQuery = RTCRay8;
+  static constexpr auto kOccluded = rtcOccluded8;
 };
 
-/// Rays begin beyond their origin: a surface in which the eye lies is seen by none, as by no time-continuous one.
-constexpr float kNearest = std::numeric_limits<float>::min();
+/// Of one ray, into Embree's.
+void fill(RTCRay& query, const Ray& ray, float max_dist) {
+  query.org_x = ray.origin.x;
+  query.org_y = ray.origin.y;
+  query.org_z = ray.origin.z;
+  query.dir_x = ray.direction.x;
+  query.dir_y = ray.direction.y;
+  query.dir_z = ray.direction.z;
+  query.tnear = kNearest;
+  query.tfar = max_dist;
+  query.mask = ~0u;
+}
+/// The same into number `i` of a packet.
+template <class Packet>
+void fill(Packet& query, size_t i, const Ray& ray, float max_dist) {
+  query.org_x[i] = ray.origin.x;
+  query.org_y[i] = ray.origin.y;
+  query.org_z[i] = ray.origin.z;
+  query.dir_x[i] = ray.direction.x;
+  query.dir_y[i] = ray.direction.y;
+  query.dir_z[i] = ray.direction.z;
+  query.tnear[i] = kNearest;
+  query.tfar[i] = max_dist;
+  query.mask[i] = ~0u;
+  query.id[i] = static_cast<unsigned>(i);
+}
+
+/// That nothing of a geometry occludes.
+void refuse_all(const RTCFilterFunctionNArguments* hits) { std::fill_n(hits->valid, hits->N, 0); }
 
 bool usable(const Ray& ray, float time) {
   return is_finite(ray.origin) && is_finite(ray.direction) && !(ray.direction == Vec3f{}) && time >= 0 && time <= 1;
@@ -118,12 +152,15 @@ struct DiscreteScene::Impl {
   std::vector<std::unique_ptr<const UnevenTriangles>> uneven;
   DiscreteStats stats;
   std::shared_ptr<const CutOuts> cut_outs;
-  int exponent = 0;  // of the size of all of this: see working_exponent
+  std::vector<bool> panes;  // [mesh]
+  int exponent = 0;         // of the size of all of this: see working_exponent
 
   Impl(std::span<const Mesh> meshes, const DiscreteOptions& options)
       : device(embree_instruction_set(options.instruction_set)) {
     const auto begin = std::chrono::steady_clock::now();
     cut_outs = options.cut_outs;
+    panes = options.panes;
+    panes.resize(meshes.size());
     for (size_t m = 0; m < meshes.size(); ++m) {
       const Mesh& mesh = meshes[m];
       validate_mesh(mesh);
@@ -191,6 +228,12 @@ struct DiscreteScene::Impl {
                                                             : has_holes     ? refuse_hits<true, true>
                                                                             : refuse_hits<true, false>);
     }
+    if (panes[index])
+      rtcSetGeometryOccludedFilterFunction(geometry.get(), refuse_all);
+    else if (has_holes || mesh.one_sided)
+      rtcSetGeometryOccludedFilterFunction(geometry.get(), !mesh.one_sided ? refuse_hits<false, true>
+                                                           : has_holes     ? refuse_hits<true, true>
+                                                                           : refuse_hits<true, false>);
     rtcCommitGeometry(geometry.get());
     rtcAttachGeometryByID(window.scene.get(), geometry.get(), static_cast<unsigned>(mesh_of.size()));
     device.check();
@@ -199,7 +242,7 @@ struct DiscreteScene::Impl {
 
   void attach_uneven(const Window& window, const Mesh& mesh, uint32_t index, int least_steps) {
     const CutOuts* cuts = cut_outs && cut_outs->has(index) ? cut_outs.get() : nullptr;
-    uneven.push_back(std::make_unique<const UnevenTriangles>(mesh, index, cuts, least_steps));
+    uneven.push_back(std::make_unique<const UnevenTriangles>(mesh, index, cuts, least_steps, panes[index]));
     const EmbreeGeometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_USER));
     device.check();
     uneven.back()->fill(geometry.get());
@@ -247,15 +290,7 @@ struct DiscreteScene::Impl {
   std::optional<DiscreteHit> intersect(const Ray& ray, float time, float max_dist, Facing facing) const {
     if (!usable(ray, time) || !(max_dist > 0)) return std::nullopt;
     RTCRayHit query{};
-    query.ray.org_x = ray.origin.x;
-    query.ray.org_y = ray.origin.y;
-    query.ray.org_z = ray.origin.z;
-    query.ray.dir_x = ray.direction.x;
-    query.ray.dir_y = ray.direction.y;
-    query.ray.dir_z = ray.direction.z;
-    query.ray.tnear = kNearest;
-    query.ray.tfar = max_dist;
-    query.ray.mask = ~0u;
+    fill(query.ray, ray, max_dist);
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     DiscreteContext context = context_of(&ray, &time, facing);
     for (const Window& window : windows) {  // each looks no farther than what the ones before have hit
@@ -269,23 +304,56 @@ struct DiscreteScene::Impl {
                        query.hit.v,    faces(normal, ray.direction)};
   }
 
+  /// Denormals must be zero already.
+  bool occluded(const Ray& ray, float time, float max_dist) const {
+    if (!usable(ray, time) || !(max_dist > 0)) return false;
+    RTCRay query{};
+    DiscreteContext context = context_of(&ray, &time, Facing::far_end);
+    for (const Window& window : windows) {
+      if (!window.holds(time)) continue;
+      fill(query, ray, max_dist);
+      query.time = window.local(time);
+      rtcOccluded1(window.scene.get(), &context.embree, &query);
+      if (query.tfar < 0) return true;
+    }
+    return false;
+  }
+
+  /// Up to Packet::kSize rays; denormals must be zero already.
+  template <class Packet>
+  void occluded_packet(std::span<const Ray> rays, std::span<const float> times, std::span<const float> max_dists,
+                       std::span<bool> result) const {
+    typename Packet::ShadowQuery query{};
+    for (size_t i = 0; i < rays.size(); ++i) {
+      fill(query, i, rays[i], max_dists[i]);
+      result[i] = false;
+    }
+    DiscreteContext context = context_of(rays.data(), times.data(), Facing::far_end);
+    context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    for (const Window& window : windows) {
+      alignas(64) int valid[Packet::kSize]{};
+      bool any = false;
+      for (size_t i = 0; i < rays.size(); ++i) {
+        if (result[i] || !usable(rays[i], times[i]) || !(max_dists[i] > 0) || !window.holds(times[i])) continue;
+        valid[i] = -1;
+        any = true;
+        query.time[i] = window.local(times[i]);
+      }
+      if (!any) continue;
+      Packet::kOccluded(valid, window.scene.get(), &context.embree, &query);
+      for (size_t i = 0; i < rays.size(); ++i) result[i] = result[i] || (valid[i] == -1 && query.tfar[i] < 0);
+    }
+  }
+
+  void occluded_all(std::span<const Ray> rays, std::span<const float> times, std::span<const float> max_dists,
+                    std::span<bool> result) const;
+
   /// Up to Packet::kSize rays; denormals must be zero already.
   template <class Packet>
   void intersect_packet(std::span<const Ray> rays, std::span<const float> times,
                         std::span<std::optional<DiscreteHit>> hits, DiscreteLayer layer) const {
     typename Packet::Query query{};
-    for (size_t i = 0; i < rays.size(); ++i) {
-      query.ray.org_x[i] = rays[i].origin.x;
-      query.ray.org_y[i] = rays[i].origin.y;
-      query.ray.org_z[i] = rays[i].origin.z;
-      query.ray.dir_x[i] = rays[i].direction.x;
-      query.ray.dir_y[i] = rays[i].direction.y;
-      query.ray.dir_z[i] = rays[i].direction.z;
-      query.ray.tnear[i] = kNearest;
-      query.ray.tfar[i] = std::numeric_limits<float>::infinity();
-      query.ray.mask[i] = ~0u;
-      query.ray.id[i] = static_cast<unsigned>(i);
-    }
+    for (size_t i = 0; i < rays.size(); ++i) fill(query.ray, i, rays[i], std::numeric_limits<float>::infinity());
     std::fill(std::begin(query.hit.geomID), std::end(query.hit.geomID), RTC_INVALID_GEOMETRY_ID);
     DiscreteContext context = context_of(rays.data(), times.data(), Facing::origin);
     context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -323,6 +391,14 @@ InstructionSet embree_instruction_set(std::optional<InstructionSet> wanted) {
 }
 
 DiscreteScene::DiscreteScene(std::span<const Mesh> meshes, const DiscreteOptions& options) {
+  if (std::find(options.panes.begin(), options.panes.end(), true) != options.panes.end()) {
+    std::vector<Mesh> only(meshes.size());
+    for (size_t m = 0; m < meshes.size() && m < options.panes.size(); ++m)
+      if (options.panes[m]) only[m] = meshes[m];
+    DiscreteOptions alone = options;
+    alone.panes.clear();
+    panes_ = std::make_unique<const DiscreteScene>(only, alone);
+  }
   const int exponent = working_exponent(meshes);
   if (exponent == 0) {
     impl_ = std::make_unique<Impl>(meshes, options);
@@ -383,11 +459,50 @@ void DiscreteScene::Impl::intersect_all(std::span<const Ray> rays, std::span<con
   }
 }
 
+bool DiscreteScene::occluded(const Ray& ray, float time, float max_dist) const {
+  const ScaledRay scaled(ray, impl_->exponent);  // before denormals become zero
+  const float scaled_max = std::ldexp(max_dist, scaled.exponent);
+  const DenormalsAreZero guard;
+  return impl_->occluded(scaled.ray, time, scaled_max);
+}
+
+void DiscreteScene::occluded(std::span<const Ray> rays, std::span<const float> times, std::span<const float> max_dists,
+                             std::span<bool> result) const {
+  if (rays.size() != times.size() || rays.size() != max_dists.size() || rays.size() != result.size())
+    throw Error(ErrorCode::bad_usage, "DiscreteScene", "as many rays as times, distances and results are needed");
+  if (impl_->exponent != 0 ||
+      std::any_of(rays.begin(), rays.end(), [](const Ray& ray) { return ScaledRay(ray).exponent != 0; })) {
+    for (size_t i = 0; i < rays.size(); ++i) result[i] = occluded(rays[i], times[i], max_dists[i]);
+    return;
+  }
+  impl_->occluded_all(rays, times, max_dists, result);
+}
+
+void DiscreteScene::Impl::occluded_all(std::span<const Ray> rays, std::span<const float> times,
+                                       std::span<const float> max_dists, std::span<bool> result) const {
+  const DenormalsAreZero guard;
+  for (size_t i = 0; i < rays.size();) {
+    const size_t left = rays.size() - i, count = std::min(left, left > kSmallPacket ? kLargePacket : kSmallPacket);
+    const auto take = [&](auto whole) { return whole.subspan(i, count); };
+    if (left == 1)
+      result[i] = occluded(rays[i], times[i], max_dists[i]);
+    else if (count > kSmallPacket)
+      occluded_packet<LargePacket>(take(rays), take(times), take(max_dists), take(result));
+    else
+      occluded_packet<SmallPacket>(take(rays), take(times), take(max_dists), take(result));
+    i += count;
+  }
+}
+
+std::optional<DiscreteHit> DiscreteScene::intersect_panes(const Ray& ray, float time, float max_dist) const {
+  return panes_ ? panes_->intersect(ray, time, max_dist, Facing::far_end) : std::nullopt;
+}
+
 const DiscreteStats& DiscreteScene::stats() const { return impl_->stats; }
 size_t DiscreteScene::memory_bytes() const {
   size_t bytes = impl_->device.memory_bytes() + impl_->mesh_of.capacity() * sizeof(uint32_t);
   for (const auto& triangles : impl_->uneven) bytes += triangles->memory_bytes();
-  return bytes;
+  return bytes + (panes_ ? panes_->memory_bytes() : 0);
 }
 
 }  // namespace kairos

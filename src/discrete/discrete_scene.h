@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include <kairos/mesh.h>
 #include <kairos/tracer.h>
@@ -28,6 +29,7 @@ struct DiscreteOptions {
   /// Stretches of even motion get at least this many keys, as far as kMaxTimeSteps allow, by equal parts of each key
   /// span: more and tighter boxes for the same motion. 0: no more than there are.
   int keys = 0;
+  std::vector<bool> panes = {};  ///< [mesh]: lets light through, so that occluded() passes it; missing: none does
   std::optional<InstructionSet> instruction_set = std::nullopt;  ///< of Embree's code; unset: the best one
 };
 
@@ -82,6 +84,19 @@ class DiscreteScene {
   void intersect(std::span<const Ray> rays, std::span<const float> times, std::span<std::optional<DiscreteHit>> hits,
                  DiscreteLayer layer = DiscreteLayer::all) const;
 
+  /// Is anything but panes within `max_dist` along the ray, on the side that light from there would meet? Any hit will
+  /// do, which is a good deal cheaper than the nearest. Nothing is in the way of a ray that is not finite.
+  bool occluded(const Ray& ray, float time, float max_dist) const;
+  /// The same for many rays, all spans of one length; those next to each other go through the scene together. A
+  /// `max_dist` that is not above 0 marks a ray that is not asked for: it is not occluded.
+  void occluded(std::span<const Ray> rays, std::span<const float> times, std::span<const float> max_dists,
+                std::span<bool> result) const;
+  /// Is any mesh a pane?
+  bool has_panes() const { return panes_ != nullptr; }
+  /// As intersect(), for light that comes along the ray to its origin, through panes alone: they have a scene of their
+  /// own, too, so that who knows that nothing else is in the way looks at little.
+  std::optional<DiscreteHit> intersect_panes(const Ray& ray, float time, float max_dist) const;
+
   const DiscreteStats& stats() const;
   /// Of Embree's copies and trees.
   size_t memory_bytes() const;
@@ -89,6 +104,7 @@ class DiscreteScene {
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+  std::unique_ptr<const DiscreteScene> panes_;  // null: there are none
 };
 
 }  // namespace kairos

@@ -19,14 +19,11 @@ Vec3d most(Vec3d a, Vec3d b) { return {std::max(a.x, b.x), std::max(a.y, b.y), s
 
 double largest(Vec3d a) { return std::max({a.x, a.y, a.z}); }
 
-struct Hit {
-  double dist, u, v;
-  Vec3d normal;
-};
+}  // namespace
 
 /// In double precision, and without a gap between triangles that share two corners: what is subtracted at their common
 /// edge are the same products.
-bool intersect(const std::array<Vec3d, 3>& corners, const Ray& ray, Hit& hit) {
+bool UnevenTriangles::intersect(const Corners& corners, const Ray& ray, Hit& hit) {
   const Vec3d origin = to_double(ray.origin), way = to_double(ray.direction);
   const Vec3d a = corners[0] - origin, b = corners[1] - origin, c = corners[2] - origin;
   const double wa = dot(way, cross(b, c)), wb = dot(way, cross(c, a)), wc = dot(way, cross(a, b));
@@ -40,14 +37,14 @@ bool intersect(const std::array<Vec3d, 3>& corners, const Ray& ray, Hit& hit) {
   return true;
 }
 
-}  // namespace
-
-UnevenTriangles::UnevenTriangles(const Mesh& mesh, uint32_t index, const CutOuts* cut_outs, int least_steps)
+UnevenTriangles::UnevenTriangles(const Mesh& mesh, uint32_t index, const CutOuts* cut_outs, int least_steps,
+                                 bool is_pane)
     : triangles_(mesh.triangles),
       key_times_(mesh.key_times),
       index_(index),
       cut_outs_(cut_outs),
-      one_sided_(mesh.one_sided) {
+      one_sided_(mesh.one_sided),
+      is_pane_(is_pane) {
   positions_.reserve(mesh.key_count() * mesh.vertex_count());
   for (size_t v = 0; v < mesh.vertex_count(); ++v)
     for (const auto& key : mesh.positions) positions_.push_back(key[v]);
@@ -63,6 +60,7 @@ void UnevenTriangles::fill(RTCGeometry geometry) const {
   rtcSetGeometryUserData(geometry, const_cast<UnevenTriangles*>(this));  // handed back to us as const again
   rtcSetGeometryBoundsFunction(geometry, bounds_function, nullptr);
   rtcSetGeometryIntersectFunction(geometry, intersect_function);
+  rtcSetGeometryOccludedFunction(geometry, is_pane_ ? occluded_by_none : occluded_function);
 }
 
 size_t UnevenTriangles::memory_bytes() const {
@@ -141,6 +139,18 @@ void UnevenTriangles::bounds_function(const RTCBoundsFunctionArguments* args) {
   *args->bounds_o = self.bounds(self.triangles_[args->primID], args->timeStep);
 }
 
+bool UnevenTriangles::meets(uint32_t triangle, const DiscreteContext& context, unsigned ray_number, float nearest,
+                            Hit& hit) const {
+  const Ray& ray = context.rays[ray_number];
+  const float time = context.times[ray_number];
+  if (!intersect(corners_at(triangles_[triangle], time), ray, hit)) return false;
+  const auto dist = static_cast<float>(hit.dist);
+  if (!(dist > 0 && dist < nearest)) return false;
+  const bool front = dot(hit.normal, to_double(ray.direction)) < 0;
+  if (one_sided_ && front != (context.facing == Facing::origin)) return false;
+  return cut_outs_ == nullptr || cut_outs_->solid(ray, index_, triangle, time);
+}
+
 void UnevenTriangles::intersect_function(const RTCIntersectFunctionNArguments* args) {
   const auto& self = *static_cast<const UnevenTriangles*>(args->geometryUserPtr);
   const auto& context = *reinterpret_cast<const DiscreteContext*>(args->context);
@@ -148,18 +158,10 @@ void UnevenTriangles::intersect_function(const RTCIntersectFunctionNArguments* a
   RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, args->N);
   for (unsigned i = 0; i < args->N; ++i) {
     if (args->valid[i] != -1) continue;
-    const unsigned number = RTCRayN_id(rays, args->N, i);
-    const Ray& ray = context.rays[number];
-    const float time = context.times[number];
     Hit hit;
-    if (!intersect(self.corners_at(self.triangles_[args->primID], time), ray, hit)) continue;
-    const auto dist = static_cast<float>(hit.dist);
-    if (!(dist > 0 && dist < RTCRayN_tfar(rays, args->N, i))) continue;
-    const bool front = dot(hit.normal, to_double(ray.direction)) < 0;
-    if (self.one_sided_ && front != (context.facing == Facing::origin)) continue;
-    if (self.cut_outs_ != nullptr && !self.cut_outs_->solid(ray, self.index_, args->primID, time)) continue;
+    if (!self.meets(args->primID, context, RTCRayN_id(rays, args->N, i), RTCRayN_tfar(rays, args->N, i), hit)) continue;
     const Vec3f normal = to_float(normalize(hit.normal));
-    RTCRayN_tfar(rays, args->N, i) = dist;
+    RTCRayN_tfar(rays, args->N, i) = static_cast<float>(hit.dist);
     RTCHitN_u(hits, args->N, i) = static_cast<float>(hit.u);
     RTCHitN_v(hits, args->N, i) = static_cast<float>(hit.v);
     RTCHitN_Ng_x(hits, args->N, i) = normal.x;
@@ -167,6 +169,18 @@ void UnevenTriangles::intersect_function(const RTCIntersectFunctionNArguments* a
     RTCHitN_Ng_z(hits, args->N, i) = normal.z;
     RTCHitN_primID(hits, args->N, i) = args->primID;
     RTCHitN_geomID(hits, args->N, i) = args->geomID;
+  }
+}
+
+void UnevenTriangles::occluded_function(const RTCOccludedFunctionNArguments* args) {
+  const auto& self = *static_cast<const UnevenTriangles*>(args->geometryUserPtr);
+  const auto& context = *reinterpret_cast<const DiscreteContext*>(args->context);
+  for (unsigned i = 0; i < args->N; ++i) {
+    if (args->valid[i] != -1) continue;
+    float& nearest = RTCRayN_tfar(args->ray, args->N, i);
+    Hit hit;
+    if (self.meets(args->primID, context, RTCRayN_id(args->ray, args->N, i), nearest, hit))
+      nearest = -std::numeric_limits<float>::infinity();  // as Embree asks for
   }
 }
 

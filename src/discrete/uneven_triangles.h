@@ -31,7 +31,8 @@ class UnevenTriangles {
  public:
   /// mesh: valid and moving; copied. index: what hits call it. cut_outs: null, or outlives this. least_steps: of time,
   /// between which boxes move straight; there are at most kMaxTimeSteps.
-  UnevenTriangles(const Mesh& mesh, uint32_t index, const CutOuts* cut_outs, int least_steps);
+  /// is_pane: lets light through, and so occludes nothing.
+  UnevenTriangles(const Mesh& mesh, uint32_t index, const CutOuts* cut_outs, int least_steps, bool is_pane);
 
   /// Into a geometry of the type RTC_GEOMETRY_TYPE_USER, before it is committed. Rays must come with a DiscreteContext.
   void fill(RTCGeometry geometry) const;
@@ -53,13 +54,22 @@ class UnevenTriangles {
 
   static void bounds_function(const RTCBoundsFunctionArguments* args);
   static void intersect_function(const RTCIntersectFunctionNArguments* args);
+  static void occluded_function(const RTCOccludedFunctionNArguments* args);
+  static void occluded_by_none(const RTCOccludedFunctionNArguments* /*args*/) {}
+  struct Hit {
+    double dist, u, v;
+    Vec3d normal;
+  };
+  /// Does the ray meet the triangle nearer than `nearest`, on a side that is there, and where it is not cut out?
+  bool meets(uint32_t triangle, const DiscreteContext& context, unsigned ray, float nearest, Hit& hit) const;
+  static bool intersect(const Corners& corners, const Ray& ray, Hit& hit);
 
   std::vector<Triangle> triangles_;
   std::vector<float> key_times_;
   std::vector<Vec3f> positions_;  // [vertex][key], so that what a ray needs lies close together
   uint32_t index_, steps_;
   const CutOuts* cut_outs_;
-  bool one_sided_;
+  bool one_sided_, is_pane_;
 };
 
 }  // namespace kairos

@@ -6,32 +6,55 @@
 #include <cmath>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "discrete/discrete_scene.h"
 #include "integrators/integrator.h"
 
 namespace kairos {
 
-/// Adds what a discrete ray sees to `out`: of the sky a part only where it is not the same everywhere. Returns the
-/// number of parts.
-inline uint32_t add_seen(const Shader& shader, const Ray& ray, float time, const std::optional<DiscreteHit>& hit,
-                         SampleKey key, RecordBuilder& out) {
-  if (hit) {
-    const Shade shade = shader.shade(ray, hit->mesh, hit->triangle, time, key);
-    const uint32_t knot = out.add_knot(time, shade.colour, shade.normal, shade.albedo);
-    out.add_part({{time, time, hit->dist, hit->dist, hit->mesh, hit->triangle, hit->front}, knot});
-    return 1;
+/// Adds what discrete rays see to a record: one part each, of the sky only where it is not the same everywhere. One
+/// thread's scratch memory.
+class SeenByRays {
+ public:
+  explicit SeenByRays(const Shader& shader) : shader_(shader) {}
+
+  /// Shades them all; key_of(i): of ray number i. For each ray in turn, calls add_ray(number, first part, parts).
+  template <class KeyOf, class AddRay>
+  void add(std::span<const Ray> rays, std::span<const float> times, std::span<const std::optional<DiscreteHit>> hits,
+           const KeyOf& key_of, RecordBuilder& out, const AddRay& add_ray) {
+    queries_.clear();
+    for (size_t i = 0; i < rays.size(); ++i)
+      if (hits[i]) queries_.push_back({rays[i], hits[i]->mesh, hits[i]->triangle, times[i], 0, key_of(i)});
+    shades_.resize(queries_.size());
+    shader_.shade(queries_, shades_);
+    size_t next = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+      const uint32_t first = out.part_count();
+      const float time = times[i];
+      if (const auto& hit = hits[i]) {
+        const Shade& shade = shades_[next++];
+        const uint32_t knot = out.add_knot(time, shade.colour, shade.normal, shade.albedo);
+        out.add_part({{time, time, hit->dist, hit->dist, hit->mesh, hit->triangle, hit->front}, knot});
+      } else if (shader_.has_sky()) {
+        const uint32_t knot = out.add_knot(time, shader_.sky(rays[i], time), {}, {});
+        out.add_part({{time, time, INFINITY, INFINITY, kNoMesh, 0, false}, knot});
+      }
+      add_ray(i, first, out.part_count() - first);
+    }
   }
-  if (!shader.has_sky()) return 0;
-  const uint32_t knot = out.add_knot(time, shader.sky(ray, time), {}, {});
-  out.add_part({{time, time, INFINITY, INFINITY, kNoMesh, 0, false}, knot});
-  return 1;
-}
+
+ private:
+  const Shader& shader_;
+  std::vector<ShadingQuery> queries_;
+  std::vector<Shade> shades_;
+};
 
 /// One thread's scratch memory.
 class DiscreteSamples {
  public:
-  DiscreteSamples(const PixelContext& context, const DiscreteScene& scene) : context_(context), scene_(scene) {}
+  DiscreteSamples(const PixelContext& context, const DiscreteScene& scene)
+      : context_(context), scene_(scene), seen_(context.shader) {}
 
   /// Samples [begin, end) of pixel (x, y), in their order. Those of one pixel lie next to each other and go through the
   /// scene together.
@@ -50,12 +73,16 @@ class DiscreteSamples {
       scene_.intersect(std::span(rays_).first(size), std::span(times_).first(size), std::span(hits_).first(size),
                        layer);
       ray_count_ += size;
-      for (uint32_t i = 0; i < size; ++i) {
-        const uint32_t first = out.part_count();
-        const uint32_t parts = add_seen(context_.shader, rays_[i], times_[i], hits_[i], {pixel.seed, begin + i}, out);
-        out.add_ray({film_[i], 1, times_[i], first, parts, hits_[i].has_value(), times.density(times_[i])});
-        hit_count_ += hits_[i].has_value();
-      }
+      seen_.add(
+          std::span(rays_).first(size), std::span(times_).first(size), std::span(hits_).first(size),
+          [&](size_t i) {
+            return SampleKey{pixel.seed, begin + static_cast<uint32_t>(i)};
+          },
+          out,
+          [&](size_t i, uint32_t first, uint32_t parts) {
+            out.add_ray({film_[i], 1, times_[i], first, parts, hits_[i].has_value(), times.density(times_[i])});
+            hit_count_ += hits_[i].has_value();
+          });
       begin += size;
     }
   }
@@ -66,6 +93,7 @@ class DiscreteSamples {
  private:
   const PixelContext& context_;
   const DiscreteScene& scene_;
+  SeenByRays seen_;
   std::array<Ray, kRaysPerPoll> rays_;
   std::array<Vec2f, kRaysPerPoll> film_{};
   std::array<float, kRaysPerPoll> times_{};

@@ -60,7 +60,8 @@ std::shared_ptr<const DiscreteScene> ShotParts::shared_discrete(int keys) {
   discrete_keys_ = keys;
   const auto cut_outs = this->cut_outs();
   use(discrete_, &BuildSeconds::discrete, [&] {
-    return std::make_shared<const DiscreteScene>(shot_.meshes, DiscreteOptions{true, cut_outs, keys, embree_set_});
+    return std::make_shared<const DiscreteScene>(shot_.meshes,
+                                                 DiscreteOptions{true, cut_outs, keys, panes_of(shot_), embree_set_});
   });
   return discrete_.part;
 }

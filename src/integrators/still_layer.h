@@ -15,7 +15,8 @@ namespace kairos {
 /// The first rays of a pixel through what stands still, traced when they are first needed. One thread's scratch memory.
 class StillLayer {
  public:
-  StillLayer(const PixelContext& context, const DiscreteScene& scene) : context_(context), scene_(scene) {}
+  StillLayer(const PixelContext& context, const DiscreteScene& scene)
+      : context_(context), scene_(scene), seen_(context.shader) {}
 
   /// align: of the pixel's time-continuous rays, among which these are to lie.
   void begin_pixel(int x, int y, const Sampler::Pixel& pixel, const AlignedPoints& align) {
@@ -54,12 +55,16 @@ class StillLayer {
   /// Adds the first `count` rays and what they see to `out`.
   void add_rays(uint32_t count, Monitor& monitor, RecordBuilder& out) {
     trace(count, monitor);
-    for (uint32_t i = 0; i < count; ++i) {
-      const uint32_t first = out.part_count();
-      const uint32_t parts = add_seen(context_.shader, rays_[i], times_[i], hits_[i], {pixel_.seed, i}, out);
-      out.add_still_ray({film_[i], 1, times_[i], first, parts, 0});
-      evaluations_ += hits_[i].has_value();
-    }
+    seen_.add(
+        std::span(rays_).first(count), std::span(times_).first(count), std::span(hits_).first(count),
+        [&](size_t i) {
+          return SampleKey{pixel_.seed, static_cast<uint32_t>(i)};
+        },
+        out,
+        [&](size_t i, uint32_t first, uint32_t parts) {
+          out.add_still_ray({film_[i], 1, times_[i], first, parts, 0});
+          evaluations_ += hits_[i].has_value();
+        });
   }
 
   uint64_t ray_count() const { return ray_count_; }
@@ -85,6 +90,7 @@ class StillLayer {
 
   const PixelContext& context_;
   const DiscreteScene& scene_;
+  SeenByRays seen_;
   int x_ = 0, y_ = 0;
   Sampler::Pixel pixel_;
   AlignedPoints align_;

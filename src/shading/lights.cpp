@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "shading/luminance.h"
-#include "shading/surface.h"
 
 namespace kairos {
 
@@ -38,32 +39,26 @@ struct Arrival {
   std::optional<ArrivingLight> operator()(const EnvironmentLight&) const { return std::nullopt; }
 };
 
-double area_of(const std::array<Vec3d, 3>& v) { return length(cross(v[1] - v[0], v[2] - v[0])) / 2; }
-
-/// Its mean over time, by Simpson's rule between each two keys: exact where the triangle keeps its plane and
-/// orientation, and zero only for one that never has an area.
-double mean_area(const Mesh& mesh, uint32_t triangle) {
-  const auto at = [&](size_t key) {
-    std::array<Vec3d, 3> corners;
-    for (size_t i = 0; i < 3; ++i) corners[i] = to_double(mesh.positions[key][mesh.triangles[triangle][i]]);
-    return corners;
-  };
-  if (mesh.is_static()) return area_of(at(0));
-  double sum = 0;
-  for (size_t key = 0; key + 1 < mesh.key_count(); ++key) {
-    const std::array<Vec3d, 3> first = at(key), last = at(key + 1);
-    std::array<Vec3d, 3> middle;
-    for (size_t i = 0; i < 3; ++i) middle[i] = lerp(first[i], last[i], 0.5);
-    const double duration = static_cast<double>(mesh.key_times[key + 1]) - static_cast<double>(mesh.key_times[key]);
-    sum += duration * (area_of(first) + 4 * area_of(middle) + area_of(last)) / 6;
-  }
-  return sum;
+float power_of(const Light& light) {
+  if (const auto* point = std::get_if<PointLight>(&light)) return luminance(point->intensity);
+  if (const auto* spot = std::get_if<SpotLight>(&light)) return luminance(spot->intensity);
+  return 0;
 }
+bool is_local(const Light& light) {
+  return std::holds_alternative<PointLight>(light) || std::holds_alternative<SpotLight>(light);
+}
+
+/// Instants at which a moving light is looked at for where it goes. In between it is taken to stray from a straight way
+/// by no more than this part of it.
+constexpr int kPlaces = 65;
+/// Lights in a leaf, among which what they are worth is not estimated.
+constexpr size_t kPunctualPerLeaf = 4;
 
 }  // namespace
 
 Lights::Lights(const Shot& shot, const Looks& looks, const Sky& sky)
-    : shot_(shot), looks_(looks), sky_(sky), background_(shot.background) {
+    : sky_(sky), areas_(shot, looks), background_(shot.background) {
+  std::vector<Punctual> local;
   for (size_t i = 0; i < shot.lights.size(); ++i) {
     const Light& light = shot.lights[i];
     if (const auto* constant = std::get_if<ConstantLight>(&light)) {
@@ -72,68 +67,86 @@ Lights::Lights(const Shot& shot, const Looks& looks, const Sky& sky)
       const bool is_there = i < shot.light_textures.size() && shot.light_textures[i];
       if (!is_there) environment_ += picture->radiance;
     } else {
-      punctual_.push_back({light, i < shot.moving_lights.size() ? shot.moving_lights[i] : nullptr});
+      (is_local(light) ? local : asked_)
+          .push_back({light, i < shot.moving_lights.size() ? shot.moving_lights[i] : nullptr});
     }
   }
-  add_areas();
+  if (local.size() <= kMostAsked) {
+    asked_.insert(asked_.end(), local.begin(), local.end());
+    return;
+  }
+  std::vector<LightBounds> bounds;
+  for (const Punctual& light : local) {
+    const LightBounds one = bounds_of(light);
+    if (!(one.power > 0) || !std::isfinite(one.power)) continue;  // black
+    bounds.push_back(one);
+    many_.push_back(light);
+  }
+  tree_ = LightTree(bounds, kPunctualPerLeaf);
+  std::vector<Punctual> sorted;
+  for (const uint32_t light : tree_.order()) sorted.push_back(many_[light]);
+  many_ = std::move(sorted);
 }
 
-void Lights::add_areas() {
-  double sum = 0;
-  for (uint32_t m = 0; m < shot_.meshes.size(); ++m) {
-    const Mesh& mesh = shot_.meshes[m];
-    if (looks_.has_emission_texture(m) || looks_.material(m).unlit) continue;
-    const double radiance = luminance(looks_.material(m).emission);
-    if (!(radiance > 0) || !std::isfinite(radiance)) continue;
-    for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      sum += radiance * mean_area(mesh, i);
-      areas_.push_back({m, i, sum});
+LightBounds Lights::bounds_of(const Punctual& light) {
+  LightBounds bounds;
+  std::vector<LightBox> boxes;
+  std::vector<float> times;
+  double longest = 0;
+  const int places = light.at ? kPlaces : 1;
+  for (int i = 0; i < places; ++i) {
+    const double time = static_cast<double>(i) / (kPlaces - 1);
+    const Light there = light.at ? light.at(time) : light.light;
+    const auto* spot = std::get_if<SpotLight>(&there);
+    const Vec3d position = to_double(spot != nullptr ? spot->position : std::get<PointLight>(there).position);
+    if (!boxes.empty()) longest = std::max(longest, length(position - boxes.back().low));
+    boxes.push_back({position, position});
+    times.push_back(static_cast<float>(time));
+    bounds.power = std::max(bounds.power, static_cast<double>(power_of(there)));
+    if (spot != nullptr && !light.at) {
+      bounds.axis = normalize(to_double(spot->direction));
+      bounds.spread = std::acos(std::clamp(static_cast<double>(spot->cos_outer), -1.0, 1.0)) + 1e-6;
+      bounds.fade = 0;
     }
   }
-  if (!(sum > 0) || !std::isfinite(sum)) return areas_.clear();
-  for (AreaTriangle& one : areas_) one.end /= sum;
+  const Vec3d margin = Vec3d{1, 1, 1} * (longest / kPlaces);
+  for (LightBox& box : boxes) box = {box.low - margin, box.high + margin};
+  bounds.set_boxes(boxes, times);
+  return bounds;
 }
 
-float Lights::presence(uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& vertices,
-                       const std::array<float, 3>& weights) const {
-  const Material& material = looks_.material(mesh);
-  if (material.alpha_mode == Material::AlphaMode::opaque || material.emits_where_cut_out) return 1;
-  const float alpha = looks_.alpha_at(mesh, triangle, vertices, weights, 0).alpha;
-  return material.alpha_mode == Material::AlphaMode::blend ? std::clamp(alpha, 0.0f, 1.0f)
-                                                           : (alpha >= material.alpha_cutoff ? 1 : 0);
-}
-
-std::optional<ArrivingLight> Lights::punctual(size_t index, Vec3d point, float time, const Place& place) const {
-  const Punctual& one = punctual_[index];
+std::optional<ArrivingLight> Lights::arriving(const Punctual& one, Vec3d point, float time, const Place& place) {
   if (!one.at) return std::visit(Arrival{point, place}, one.light);
   return std::visit(Arrival{point, place}, one.at(static_cast<double>(time)));
 }
 
-std::optional<ArrivingLight> Lights::area(Vec3d point, float time, const std::array<float, 3>& sample) const {
-  const auto above = std::upper_bound(areas_.begin(), areas_.end(), static_cast<double>(sample[0]),
-                                      [](double value, const AreaTriangle& one) { return value < one.end; });
-  const auto chosen = above == areas_.end() ? areas_.end() - 1 : above;
-  const double probability = chosen->end - (chosen == areas_.begin() ? 0 : (chosen - 1)->end);
-  const Mesh& mesh = shot_.meshes[chosen->mesh];
-  const std::array<Vec3d, 3> v = triangle_at(mesh, chosen->triangle, time);
-  // Uniform on the triangle: G. Turk, in Graphics Gems, 1990.
-  const double root = std::sqrt(static_cast<double>(sample[1])), along = sample[2];
-  const std::array<float, 3> weights{static_cast<float>(1 - root), static_cast<float>(root * (1 - along)),
-                                     static_cast<float>(root * along)};
-  const Vec3d target = point_of(v, weights);
-  const Vec3d way = target - point;
-  const double dist_squared = dot(way, way), dist = std::sqrt(dist_squared);
-  if (!(dist > 0) || !(probability > 0)) return std::nullopt;
-  const double towards = -dot(geometric_normal(v), way);
-  const Material& material = shot_.materials[mesh.material];
-  // What is seen from its front alone shines from there alone, too.
-  if ((mesh.one_sided || material.one_sided_emission) && !(towards > 0)) return std::nullopt;
-  const double cosine = std::abs(towards) / dist;
-  const Vec3f emission = material.emission;
-  const double factor =
-      presence(chosen->mesh, chosen->triangle, v, weights) * cosine * area_of(v) / (dist_squared * probability);
-  if (!(factor > 0) || !std::isfinite(factor)) return std::nullopt;
-  return ArrivingLight{way / dist, dist, emission * static_cast<float>(factor)};
+std::optional<ArrivingLight> Lights::one_of_many(Vec3d point, Vec3d normal, float time, const Place& place,
+                                                 float u) const {
+  auto left = static_cast<double>(u);
+  const LightTree::Leaf leaf =
+      tree_.choose(place.vector_to_world(point) + place.origin, place.vector_to_world(normal), time, left);
+  std::array<std::optional<ArrivingLight>, kPunctualPerLeaf> lights;
+  std::array<double, kPunctualPerLeaf> worth{};
+  double sum = 0;
+  const size_t count = leaf.end - leaf.begin;
+  for (size_t i = 0; i < count; ++i) {
+    lights[i] = arriving(many_[leaf.begin + i], point, time, place);
+    if (!lights[i]) continue;
+    const double cosine = dot(normal, lights[i]->direction);
+    if (cosine > 0) sum += worth[i] = static_cast<double>(luminance(lights[i]->irradiance)) * cosine;
+  }
+  if (!(sum > 0) || !std::isfinite(sum)) return std::nullopt;
+  left *= sum;
+  size_t chosen = count;
+  for (size_t i = 0; i < count; ++i) {
+    if (!(worth[i] > 0)) continue;
+    chosen = i;
+    if (left < worth[i]) break;
+    left -= worth[i];
+  }
+  ArrivingLight light = *lights[chosen];
+  light.irradiance = light.irradiance / static_cast<float>(leaf.probability * worth[chosen] / sum);
+  return light;
 }
 
 }  // namespace kairos

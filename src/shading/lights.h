@@ -9,6 +9,8 @@
 
 #include <kairos/scene.h>
 
+#include "shading/area_lights.h"
+#include "shading/light_tree.h"
 #include "shading/looks.h"
 #include "shading/sky.h"
 
@@ -36,16 +38,21 @@ class Lights {
  public:
   Lights(const Shot& shot, const Looks& looks, const Sky& sky);
 
-  /// Point, spot and directional lights.
-  size_t punctual_count() const { return punctual_.size(); }
+  /// Point, spot and directional lights that are each to be asked. Of up to kMostAsked point and spot lights all are;
+  /// where there are more, one is chosen by chance.
+  size_t punctual_count() const { return asked_.size(); }
   /// Where the light is at the time. Nothing where it does not reach.
-  std::optional<ArrivingLight> punctual(size_t index, Vec3d point, float time, const Place& place) const;
+  std::optional<ArrivingLight> punctual(size_t index, Vec3d point, float time, const Place& place) const {
+    return arriving(asked_[index], point, time, place);
+  }
+  bool has_many() const { return !many_.empty(); }
+  /// One of all others, by what it is worth, divided by its probability: the expectation is the irradiance of them all
+  /// on a surface with this normal. u: uniform in [0, 1).
+  std::optional<ArrivingLight> one_of_many(Vec3d point, Vec3d normal, float time, const Place& place, float u) const;
+  static constexpr size_t kMostAsked = 16;
 
-  /// Meshes whose emission is the same all over light others; those with an emission texture only glow.
-  bool has_areas() const { return !areas_.empty(); }
-  /// From a random place on all of them, divided by its probability: the expectation is the irradiance of all. sample:
-  /// uniform in [0, 1)^3.
-  std::optional<ArrivingLight> area(Vec3d point, float time, const std::array<float, 3>& sample) const;
+  /// Emissive meshes.
+  const AreaLights& areas() const { return areas_; }
 
   /// The same from everywhere.
   bool has_environment() const { return environment_ != Vec3f{}; }
@@ -60,24 +67,17 @@ class Lights {
   }
 
  private:
-  struct AreaTriangle {
-    uint32_t mesh, triangle;
-    double end;  // of its part of [0, 1]
-  };
-  void add_areas();
-  /// How much of a triangle is there, 0 to 1, at the point with these weights.
-  float presence(uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& vertices,
-                 const std::array<float, 3>& weights) const;
-
-  const Shot& shot_;
-  const Looks& looks_;
-  const Sky& sky_;
   struct Punctual {
     Light light;
     std::function<Light(double)> at;  // null: it stands still
   };
-  std::vector<Punctual> punctual_;
-  std::vector<AreaTriangle> areas_;
+  static std::optional<ArrivingLight> arriving(const Punctual& light, Vec3d point, float time, const Place& place);
+  static LightBounds bounds_of(const Punctual& light);
+
+  const Sky& sky_;
+  std::vector<Punctual> asked_, many_;  // the latter in the order of the tree
+  LightTree tree_;                      // of many_, in the world
+  AreaLights areas_;
   Vec3f environment_, background_;
 };
 

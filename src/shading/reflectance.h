@@ -87,6 +87,14 @@ inline std::array<Vec3d, 2> axes_across(Vec3d n) {
   return {Vec3d{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, Vec3d{b, sign + n.y * n.y * a, -n.y}};
 }
 
+/// Distributed as the cosine over the hemisphere around `normal`.
+inline Vec3d cosine_direction(Vec3d normal, float u, float v) {
+  const double radius = std::sqrt(static_cast<double>(u)), angle = 2 * std::numbers::pi * static_cast<double>(v);
+  const auto [x, y] = axes_across(normal);
+  return normalize(x * (radius * std::cos(angle)) + y * (radius * std::sin(angle)) +
+                   normal * std::sqrt(std::max(0.0, 1 - static_cast<double>(u))));
+}
+
 /// GGX highlight (B. Walter and others 2007; height-correlated shadowing, E. Heitz 2014), without its reflectance, per
 /// steradian. All vectors unit; cosines with the normal positive.
 inline double highlight_lobe(Vec3d normal, Vec3d to_viewer, Vec3d to_light, double alpha) {

@@ -1,5 +1,6 @@
 #include "shading/shader.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -20,7 +21,9 @@ Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_dep
   cut_outs_ = std::make_shared<const AlphaCutOuts>(shot, *looks_);
   if (!cut_outs_->any()) cut_outs_.reset();
   if (kind == ShadingKind::whitted) {
-    if (!discrete) discrete = std::make_shared<const DiscreteScene>(shot.meshes, DiscreteOptions{true, cut_outs_});
+    if (!discrete)
+      discrete =
+          std::make_shared<const DiscreteScene>(shot.meshes, DiscreteOptions{true, cut_outs_, 0, panes_of(shot)});
     whitted_ = std::make_unique<const Whitted>(shot, *looks_, *sky_, std::move(discrete), cone_.spread(), max_depth);
   }
   for (uint32_t m = 0; m < shot.meshes.size(); ++m) {
@@ -75,9 +78,8 @@ bool Shader::shines(const Ray& ray, uint32_t mesh, uint32_t triangle, float time
   return dot(geometric_normal(vertices), to_double(ray.direction)) < 0;
 }
 
-Shade Shader::shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, SampleKey key) const {
+Shade Shader::shade_unlit(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, double& width) const {
   Shade shade;
-  double width = 0;
   const Look seen = look(ray, mesh, triangle, time, width);
   shade.albedo = seen.base_colour;
   if (want_normal_) shade.normal = normal(ray, mesh, triangle, time);
@@ -93,11 +95,32 @@ Shade Shader::shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time
         shade.colour = material.lamp ? seen.emission : shade.colour + seen.emission;
       break;
     case ShadingKind::whitted:
-      shade.colour = whitted_->radiance(ray, mesh, triangle, time, width, key);
       break;
   }
   shade.colour = shot_.limited(shade.colour);
   return shade;
+}
+
+Shade Shader::shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, SampleKey key) const {
+  double width = 0;
+  Shade shade = shade_unlit(ray, mesh, triangle, time, width);
+  if (whitted_) shade.colour = whitted_->radiance({ray, mesh, triangle, time, width, key});
+  return shade;
+}
+
+void Shader::shade(std::span<ShadingQuery> queries, std::span<Shade> shades) const {
+  for (size_t i = 0; i < queries.size(); ++i) {
+    ShadingQuery& query = queries[i];
+    shades[i] = shade_unlit(query.ray, query.mesh, query.triangle, query.time, query.width);
+  }
+  if (!whitted_) return;
+  constexpr size_t kAtOnce = 64;
+  std::array<Vec3f, kAtOnce> colours;
+  for (size_t begin = 0; begin < queries.size(); begin += kAtOnce) {
+    const size_t count = std::min(kAtOnce, queries.size() - begin);
+    whitted_->radiance(queries.subspan(begin, count), std::span(colours).first(count));
+    for (size_t i = 0; i < count; ++i) shades[begin + i].colour = colours[i];
+  }
 }
 
 }  // namespace kairos

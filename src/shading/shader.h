@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <kairos/render.h>
@@ -34,6 +35,8 @@ class Shader {
 
   /// time: shutter time at which the ray sees the triangle. key: only Whitted shading asks.
   Shade shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, SampleKey key = {}) const;
+  /// The same for several, which is cheaper for those of one pixel. Both spans of one length; widths are filled in.
+  void shade(std::span<ShadingQuery> queries, std::span<Shade> shades) const;
 
   /// False when all instants at which a ray sees one of the mesh's triangles look the same.
   bool varies(uint32_t mesh) const { return varies_[mesh]; }
@@ -70,6 +73,8 @@ class Shader {
   /// Does the side that a ray sees emit what its material does?
   bool shines(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const;
   Look look(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, double& width) const;
+  /// All but the colour of lit surfaces. width: of the ray's cone.
+  Shade shade_unlit(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, double& width) const;
 
   const Shot& shot_;
   std::unique_ptr<const Looks> looks_;  // which whitted_ points to

@@ -15,7 +15,10 @@ KeyPosition key_position(const Mesh& mesh, float time) {
 }
 
 std::array<Vec3d, 3> triangle_at(const Mesh& mesh, uint32_t triangle, float time) {
-  const KeyPosition key = key_position(mesh, time);
+  return triangle_at(mesh, triangle, key_position(mesh, time));
+}
+
+std::array<Vec3d, 3> triangle_at(const Mesh& mesh, uint32_t triangle, const KeyPosition& key) {
   const Triangle& corners = mesh.triangles[triangle];
   std::array<Vec3d, 3> vertices;
   for (size_t i = 0; i < 3; ++i) {

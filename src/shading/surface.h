@@ -16,6 +16,7 @@ KeyPosition key_position(const Mesh& mesh, float time);
 
 /// The triangle's vertices at `time`.
 std::array<Vec3d, 3> triangle_at(const Mesh& mesh, uint32_t triangle, float time);
+std::array<Vec3d, 3> triangle_at(const Mesh& mesh, uint32_t triangle, const KeyPosition& key);
 
 /// Weights of the three vertices, 0 to 1 each, sum 1, of the point in which the ray meets the triangle's plane. Outside
 /// of the triangle (by the rounding of a segment's ends) they are clamped to it; seen edge on, they are all equal.

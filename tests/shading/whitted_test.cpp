@@ -13,7 +13,8 @@ namespace {
 
 /// What the ray sees, in the mean over `samples` shading samples.
 Vec3f seen(const Shot& shot, const Ray& ray, uint32_t samples = 1, int max_depth = 8, float time = 0.5f) {
-  const auto scene = std::make_shared<const DiscreteScene>(shot.meshes);
+  const auto scene =
+      std::make_shared<const DiscreteScene>(shot.meshes, DiscreteOptions{true, nullptr, 0, panes_of(shot)});
   const Shader shader(shot, ShadingKind::whitted, false, max_depth, scene);
   const auto hit = scene->intersect(ray, time);
   if (!hit) {

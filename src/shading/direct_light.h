@@ -1,0 +1,113 @@
+// Light that arrives at a surface straight from lights, by looking for it there.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <span>
+
+#include "shading/light_points.h"
+#include "shading/lights.h"
+#include "shading/shadow_rays.h"
+#include "shading/surface_point.h"
+
+namespace kairos {
+
+/// What is looked for towards lights, in random directions of their choosing. Who also looks where the surface scatters
+/// to weighs both by the balance heuristic: E. Veach and L. Guibas, Optimally Combining Sampling Techniques, 1995.
+///
+/// A Scatter says how a surface scatters at a point:
+///   Vec3f value(Vec3d direction) const: of light from there, times the cosine; zero for what does not arrive;
+///   double area_density(Vec3d direction) const, sky_density(Vec3d direction) const: per steradian, of being looked at
+///   by
+///     scattering, where emissive surfaces and where the sky are taken in that way; 0 where they are not;
+///   bool is_dark() const: nothing scatters, so that nobody need ask.
+template <class Scatter>
+class DirectLight {
+ public:
+  DirectLight(const Lights& lights, const ShadowRays& shadows) : lights_(lights), shadows_(shadows) {}
+
+  /// One of many punctual lights, a place on emissive meshes, a direction of the sky. view: of the point; of no use
+  /// where there are no emissive meshes.
+  Vec3f by_choice(const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant,
+                  AreaLights::View& view, SampleKey key) const {
+    Vec3f sum{};
+    if (lights_.has_many()) {
+      const float u = light_point(key.branch(kManyBranch))[0];
+      if (const auto light = lights_.one_of_many(point.position, point.normal, instant.time, instant.place, u))
+        sum += arriving(point, scatter.value(light->direction) * light->irradiance, light->direction, light->dist,
+                        instant);
+    }
+    if (!lights_.areas().empty()) {
+      if (const auto light = view.sample(light_point(key.branch(kAreaBranch)))) {
+        const double density = light->density + (light->is_met ? scatter.area_density(light->direction) : 0);
+        const Vec3f value = scatter.value(light->direction) * light->radiance * static_cast<float>(1 / density);
+        sum += arriving(point, value, light->direction, light->dist, instant);
+      }
+    }
+    if (!lights_.sky().empty()) {
+      if (const auto bright = lights_.sky().sample(light_point(key.branch(kSkyBranch)))) {
+        const Vec3d direction = instant.place.vector_from_world(*bright);
+        sum += from_sky(point, scatter, direction, instant);
+      }
+    }
+    return sum;
+  }
+
+  /// From the sky's pictures in a direction, weighed as one that either of two ways may have chosen.
+  Vec3f from_sky(const SurfacePoint& point, const Scatter& scatter, Vec3d direction,
+                 const SampleInstant& instant) const {
+    const Vec3d in_world = instant.place.vector_to_world(direction);
+    const double density = lights_.sky().density(in_world) + scatter.sky_density(direction);
+    if (!(density > 0)) return {};
+    const Vec3f value = scatter.value(direction) * lights_.sky().radiance(in_world) * static_cast<float>(1 / density);
+    return arriving(point, value, direction, std::numeric_limits<double>::infinity(), instant);
+  }
+
+  /// Adds to `sums` what all those point, spot and directional lights bring that are each asked. All spans of one
+  /// length; shadow rays to a light go through the scene together.
+  void add_asked(std::span<const SurfacePoint> points, std::span<const Scatter> scatters,
+                 std::span<const SampleInstant> instants, std::span<Vec3f> sums) const {
+    for (size_t begin = 0; begin < points.size(); begin += kTogether) {
+      const size_t count = std::min(kTogether, points.size() - begin);
+      std::array<ShadowRays::Query, kTogether> queries;
+      std::array<Vec3f, kTogether> values, open;
+      for (size_t light = 0; light < lights_.punctual_count(); ++light) {
+        bool any = false;
+        for (size_t i = 0; i < count; ++i) {
+          const SurfacePoint& point = points[begin + i];
+          const SampleInstant& instant = instants[begin + i];
+          queries[i] = {&point, &instant, {}, 0};
+          values[i] = {};
+          if (scatters[begin + i].is_dark()) continue;
+          const auto from = lights_.punctual(light, point.position, instant.time, instant.place);
+          if (from) values[i] = scatters[begin + i].value(from->direction) * from->irradiance;
+          if (values[i] == Vec3f{}) continue;
+          queries[i].direction = from->direction;
+          queries[i].dist = from->dist;
+          any = true;
+        }
+        if (!any) continue;
+        shadows_.open(std::span(queries).first(count), std::span(open).first(count));
+        for (size_t i = 0; i < count; ++i)
+          if (queries[i].dist > 0) sums[begin + i] += values[i] * open[i];
+      }
+    }
+  }
+
+ private:
+  Vec3f arriving(const SurfacePoint& point, Vec3f value, Vec3d direction, double dist,
+                 const SampleInstant& instant) const {
+    if (value == Vec3f{} || !is_finite(value)) return {};
+    return value * shadows_.open(point, direction, dist, instant);
+  }
+
+  // Branches of a sample's key.
+  static constexpr uint64_t kAreaBranch = 11, kSkyBranch = 15, kManyBranch = 17;
+  static constexpr size_t kTogether = 64;
+
+  const Lights& lights_;
+  const ShadowRays& shadows_;
+};
+
+}  // namespace kairos
