@@ -104,7 +104,7 @@ Shade Shader::shade_unlit(const Ray& ray, uint32_t mesh, uint32_t triangle, floa
 Shade Shader::shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, SampleKey key) const {
   double width = 0;
   Shade shade = shade_unlit(ray, mesh, triangle, time, width);
-  if (whitted_) shade.colour = whitted_->radiance({ray, mesh, triangle, time, width, key});
+  if (whitted_) shade.colour = shot_.limited(whitted_->radiance({ray, mesh, triangle, time, width, key}));
   return shade;
 }
 
@@ -119,7 +119,7 @@ void Shader::shade(std::span<ShadingQuery> queries, std::span<Shade> shades) con
   for (size_t begin = 0; begin < queries.size(); begin += kAtOnce) {
     const size_t count = std::min(kAtOnce, queries.size() - begin);
     whitted_->radiance(queries.subspan(begin, count), std::span(colours).first(count));
-    for (size_t i = 0; i < count; ++i) shades[begin + i].colour = colours[i];
+    for (size_t i = 0; i < count; ++i) shades[begin + i].colour = shot_.limited(colours[i]);
   }
 }
 
