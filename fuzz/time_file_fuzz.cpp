@@ -65,6 +65,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       for (const float value : image.channels[0].values)
         if (std::isnan(value) && opened.picture().quality().tolerance != 0) std::abort();
       opened.picture().at(1, options);
+      if (opened.picture().has_objects())
+        opened.picture().objects({[](int, int) { return kairos::TimeWeight({{0.25, 1}, {0.5, 1}}); }}, options);
     }
   } catch (const kairos::Error&) {
   }

@@ -14,6 +14,7 @@
 #include "arguments.h"
 #include "commands.h"
 #include "dataset_layout.h"
+#include "dataset_pose.h"
 #include "frames.h"
 #include "interrupt.h"
 #include "light_arguments.h"
@@ -49,7 +50,8 @@ class AllOverTime : public PixelConsumer {
 
 struct FrameTimes {
   Shutter shutter;
-  double frame_time = 0;  ///< scene time
+  double frame_time = 0;       ///< scene time
+  double open = 0, close = 1;  ///< scene time: of all lines
   int lines = 1;
 
   /// The middle of a line's exposure, in scene time.
@@ -62,46 +64,6 @@ struct FrameTimes {
 };
 
 bool rolls(const Shutter& shutter) { return shutter.open_line != 0 || shutter.close_line != 0; }
-
-/// Of a camera whose axes in the world are these: w, x, y, z.
-std::array<double, 4> quaternion_of(const std::array<Vec3d, 3>& a) {
-  // The largest component first, which is at least 1/2: nothing is divided by what may be 0.
-  const double w = 1 + a[0].x + a[1].y + a[2].z, x = 1 + a[0].x - a[1].y - a[2].z, y = 1 - a[0].x + a[1].y - a[2].z,
-               z = 1 - a[0].x - a[1].y + a[2].z;
-  const double most = std::max({w, x, y, z}), s = 0.5 / std::sqrt(most);
-  if (most == w) return {w * s, (a[1].z - a[2].y) * s, (a[2].x - a[0].z) * s, (a[0].y - a[1].x) * s};
-  if (most == x) return {(a[1].z - a[2].y) * s, x * s, (a[0].y + a[1].x) * s, (a[2].x + a[0].z) * s};
-  if (most == y) return {(a[2].x - a[0].z) * s, (a[0].y + a[1].x) * s, y * s, (a[1].z + a[2].y) * s};
-  return {(a[0].y - a[1].x) * s, (a[2].x + a[0].z) * s, (a[1].z + a[2].y) * s, z * s};
-}
-
-/// Seven numbers: the camera's rotation to the world, and where it is.
-std::array<double, 7> pose_at(const Shot& shot, double scene_time) {
-  const double length = shot.shutter_close - shot.shutter_open;
-  const double time = length > 0 ? std::clamp((scene_time - shot.shutter_open) / length, 0.0, 1.0) : 0;
-  std::array<double, 4> q{1, 0, 0, 0};
-  Vec3d place;
-  if (shot.world_from_camera) q = quaternion_of(shot.world_from_camera(time));
-  if (shot.camera_position) place = shot.camera_position(time);
-  return {q[0], q[1], q[2], q[3], place.x, place.y, place.z};
-}
-
-ordered_json intrinsics_of(const Projection& p) {
-  ordered_json json{{"width", p.width}, {"height", p.height}};
-  if (p.matrix) {
-    json["projection_matrix_columns"] = *p.matrix;
-  } else if (p.orthographic) {
-    json["view_height"] = p.view_height;
-    json["pixel_aspect"] = p.pixel_aspect;
-  } else {
-    const double focal = p.height / 2.0 / std::tan(p.vfov / 2);  // pixels
-    json["fx"] = focal / p.pixel_aspect;
-    json["fy"] = focal;
-    json["cx"] = p.width / 2.0 - p.shift[0] * p.height / p.pixel_aspect;
-    json["cy"] = p.height / 2.0 + p.shift[1] * p.height;
-  }
-  return json;
-}
 
 class Dataset {
  public:
@@ -146,6 +108,8 @@ class Dataset {
     times.lines = columns ? width : height;
     const ExposureInterval whole = whole_interval(times.shutter, width, height);
     options.shutter = {whole.open * fps_, whole.close * fps_};
+    times.open = times.frame_time + whole.open;
+    times.close = times.frame_time + whole.close;
     Shot shot = make_shot(scene_, options);
     if (!(shot.shutter_close > shot.shutter_open))
       throw Error(ErrorCode::bad_usage, "", "a data set needs exposures of some length; give another --shutter");
@@ -158,10 +122,11 @@ class Dataset {
   void write_frame(int frame) {
     FrameTimes times;
     const Shot shot = shot_of(frame, times);
-    const auto picture = [&](const Shutter& shutter) {
+    const auto picture = [&](const Shutter& shutter, std::vector<Aov> aovs = {}) {
       RenderParams params = arguments_.sampling.params;
       params.exposure = Exposure(shutter, times.frame_time, shot.projection.width, shot.projection.height,
                                  shot.shutter_open, shot.shutter_close);
+      params.aovs = std::move(aovs);
       return Picture(shot.projection, params);
     };
     const auto instant = [&](double scene_time) {
@@ -169,35 +134,89 @@ class Dataset {
       shutter.open = shutter.close = scene_time - times.frame_time;
       return picture(shutter);
     };
-    Picture exposed = picture(times.shutter), sharp = instant(times.middle()), first = instant(times.first());
+    // Each line at the instant in the middle of its exposure.
+    Shutter middles = times.shutter;
+    middles.open = middles.close = (times.shutter.open + times.shutter.close) / 2;
+    middles.open_line = middles.close_line = (times.shutter.open_line + times.shutter.close_line) / 2;
+    middles.curve = {};
+    Picture exposed = picture(times.shutter), sharp = instant(times.middle()), first = instant(times.first()),
+            lines = picture(middles, {Aov::depth});
     AllOverTime over_time;
     std::vector<PixelConsumer*> consumers{&exposed, &sharp, &over_time};
     if (*layout().sharp_first != 0) consumers.push_back(&first);
+    if (*layout().depth != 0) consumers.push_back(&lines);
     begin_polling();
     Renderer(shot).render(arguments_.sampling.params, consumers, nullptr, [](double) { return !interrupted(); });
     end_polling();
 
     ordered_json files;
-    const auto write = [&](Picture& from, const char* pattern, const char* what) {
+    const auto write = [&](const Image& image, const char* pattern, int of_frame, const char* what) {
       if (*pattern == 0) return;
-      Image image = from.take();
-      image.attributes.push_back({"kairos:command_line", arguments_.command_line});
       WriteOptions options;
       options.view = arguments_.view.choice.value_or(usual_view(shot, arguments_.sampling.params.shading));
       options.exposure = arguments_.view.exposure;
-      const std::string path = place(pattern, frame);
+      const std::string path = place(pattern, of_frame);
       write_interruptibly(image, path, options);
       if (arguments_.exr) write_interruptibly(image, std::filesystem::path(path).replace_extension(".exr").string());
-      files[what] = std::filesystem::relative(path, arguments_.folder).generic_string();
+      files[what] = relative(path);
     };
-    write(exposed, layout().exposed, "exposed");
-    write(sharp, layout().sharp, "sharp");
-    write(first, layout().sharp_first, "sharp_first");
-    if (*layout().flow != 0 && frame < arguments_.frames.last) write_flow_of(frame, times, files);
+    const auto finished = [&](Picture& from) {
+      Image image = from.take();
+      image.attributes.push_back({"kairos:command_line", arguments_.command_line});
+      return image;
+    };
+    const int number = frame - arguments_.frames.first;
+    const bool last = frame == arguments_.frames.last;
+    const bool evaluates = layout().sharp_every > 0 && number % layout().sharp_every == 0;
+    const Image blurred = finished(exposed), still = finished(sharp);
+    if (*layout().exposed_next == 0 || !last) write(evaluates ? still : blurred, layout().exposed, frame, "exposed");
+    if (*layout().exposed_next != 0 && number > 0) write(blurred, layout().exposed_next, frame - 1, "exposed_next");
+    write(still, layout().sharp, frame, "sharp");
+    write(finished(first), layout().sharp_first, frame, "sharp_first");
+    if (*layout().depth != 0) {
+      const std::string path = place(layout().depth, frame);
+      write_file(path, text_matrix(*finished(lines).find("depth.Z"), shot.projection.width));
+      files["depth"] = relative(path);
+    }
+    if (*layout().flow != 0 && !last) write_flow_of(frame, times, files);
+    tell_motion(frame, shot, times, evaluates, files);
     tell(frame, shot, times, std::move(files));
     if (!arguments_.quiet)
       cli::log(
           fmt::format("frame {}, {} of {}", frame, frame - arguments_.frames.first + 1, arguments_.frames.count()));
+  }
+
+  std::string relative(const std::string& path) const {
+    return std::filesystem::relative(path, arguments_.folder).generic_string();
+  }
+
+  /// Rows of text.
+  static std::string text_matrix(const Channel& channel, int width) {
+    std::string text;
+    for (size_t i = 0; i < channel.values.size(); ++i)
+      text += fmt::format("{:.6g}{}", channel.values[i], (i + 1) % static_cast<size_t>(width) == 0 ? '\n' : ' ');
+    return text;
+  }
+
+  /// How the camera moves in the frame, where the data set says it.
+  void tell_motion(int frame, const Shot& shot, const FrameTimes& times, bool evaluates, const ordered_json& files) {
+    const CameraVelocity v = velocity_between(shot, times.open, times.close, times.middle());
+    if (*layout().velocity != 0 && frame == arguments_.frames.first)
+      write_file(
+          made(std::filesystem::path(arguments_.folder) / dataset_file(layout().velocity, arguments_.sequence, 0)),
+          fmt::format("# Velocity of the camera in its own axes (x right, y down, z forward), per second, in "
+                      "the first frame\n# wx, wy, wz, x, y, z\n{:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n",
+                      v.angular.x, -v.angular.y, -v.angular.z, v.linear.x, -v.linear.y, -v.linear.z));
+    if (*layout().transforms == 0) return;
+    const std::string folder = arguments_.sequence + "/";
+    std::string file = files.at("exposed");
+    if (file.starts_with(folder)) file = file.substr(folder.size());
+    const Vec3d zero;
+    const Vec3d &linear = evaluates ? zero : v.linear, &angular = evaluates ? zero : v.angular;
+    transforms_.push_back({{"file_path", "./" + file},
+                           {"transform_matrix", pose_matrix(shot, times.middle())},
+                           {"camera_linear_velocity", {linear.x, linear.y, linear.z}},
+                           {"camera_angular_velocity", {angular.x, angular.y, angular.z}}});
   }
 
   /// From the frame's sharp picture to the next one.
@@ -212,13 +231,24 @@ class Dataset {
     flow_options.instruction_set = arguments_.sampling.params.instruction_set;
     flow_options.progress = [](double) { return !interrupted(); };
     begin_polling();
-    const Image image = flow(make_shot(scene_, options), flow_options);
+    Image image = flow(make_shot(scene_, options), flow_options);
     end_polling();
-    const std::string path = place(layout().flow, frame), occlusion = place(layout().occlusion, frame);
+    const std::string path = place(layout().flow, frame);
     write_flow(image, path);
-    write_occlusion(image, occlusion);
-    files["flow"] = std::filesystem::relative(path, arguments_.folder).generic_string();
-    files["occlusion"] = std::filesystem::relative(occlusion, arguments_.folder).generic_string();
+    files["flow"] = relative(path);
+    if (*layout().occlusion != 0) {
+      const std::string occlusion = place(layout().occlusion, frame);
+      write_occlusion(image, occlusion);
+      files["occlusion"] = relative(occlusion);
+    }
+    if (*layout().flow_seen == 0) return;
+    for (Channel& channel : image.channels)
+      if (channel.name == "flow.state")
+        for (float& state : channel.values)
+          if (state != static_cast<float>(FlowState::seen)) state = static_cast<float>(FlowState::unknown);
+    const std::string seen = place(layout().flow_seen, frame);
+    write_flow(image, seen);
+    files["flow_seen"] = relative(seen);
   }
 
   /// What meta.json and poses.csv say of a frame.
@@ -269,15 +299,33 @@ class Dataset {
     const std::filesystem::path folder(arguments_.folder);
     const std::string text = meta_.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
     if (*layout().log != 0) write_file(made(folder / dataset_file(layout().log, arguments_.sequence, 0)), text);
+    if (*layout().transforms != 0)
+      write_file(made(folder / dataset_file(layout().transforms, arguments_.sequence, 0)), transforms_text());
     write_file(made(folder / (arguments_.sequence + "_poses.csv")), poses_);
     write_file(made(folder / (arguments_.sequence + "_meta.json")), text);
     if (!arguments_.quiet) cli::log(fmt::format("wrote {}/{}_meta.json", arguments_.folder, arguments_.sequence));
   }
 
+  /// Of nerfstudio, with what 3DGS-deblur adds.
+  std::string transforms_text() const {
+    const ordered_json& lens = meta_.at("intrinsics");
+    ordered_json json;
+    json["w"] = lens.at("width");
+    json["h"] = lens.at("height");
+    for (const auto& [to, from] : {std::pair("fl_x", "fx"), {"fl_y", "fy"}, {"cx", "cx"}, {"cy", "cy"}})
+      if (lens.contains(from)) json[to] = lens.at(from);
+    for (const char* none : {"k1", "k2", "p1", "p2"}) json[none] = 0;
+    json["orientation_override"] = "none";
+    json["exposure_time"] = meta_.at("exposure_s");
+    json["rolling_shutter_time"] = meta_.at("readout_s");
+    json["frames"] = transforms_;
+    return json.dump(1) + "\n";
+  }
+
   const DatasetArguments& arguments_;
   const Scene& scene_;
   double fps_ = 24;
-  ordered_json meta_, frames_ = ordered_json::array();
+  ordered_json meta_, frames_ = ordered_json::array(), transforms_ = ordered_json::array();
   std::string poses_;
 };
 

@@ -8,19 +8,43 @@ namespace kairos::cli {
 
 namespace {
 
-constexpr std::array<DatasetLayout, 5> kLayouts{{
+constexpr std::array<DatasetLayout, 8> kLayouts{{
     // S. Nah et al. 2017.
-    {"gopro", 1, false, "SEQ/blur/%06d.png", "SEQ/sharp/%06d.png", "", "", "", ""},
+    {.name = "gopro", .first_number = 1, .exposed = "SEQ/blur/%06d.png", .sharp = "SEQ/sharp/%06d.png"},
     // S. Nah et al. 2019.
-    {"reds", 0, false, "train_blur/SEQ/%08d.png", "train_sharp/SEQ/%08d.png", "", "", "", ""},
+    {.name = "reds", .exposed = "train_blur/SEQ/%08d.png", .sharp = "train_sharp/SEQ/%08d.png"},
     // M. Cao et al. 2022.
-    {"bs-rsc", 0, true, "SEQ/RS/%04d.png", "SEQ/GS/%04d.png", "", "", "", ""},
+    {.name = "bs-rsc", .rolls = true, .exposed = "SEQ/RS/%04d.png", .sharp = "SEQ/GS/%04d.png"},
     // P. Liu et al. 2020.
-    {"fastec-rs", 0, true, "SEQ/%03d_rolling.png", "SEQ/%03d_global_middle.png", "SEQ/%03d_global_first.png", "", "",
-     "SEQ/meta.log"},
+    {.name = "fastec-rs",
+     .rolls = true,
+     .exposed = "SEQ/%03d_rolling.png",
+     .sharp = "SEQ/%03d_global_middle.png",
+     .sharp_first = "SEQ/%03d_global_first.png",
+     .log = "SEQ/meta.log"},
+    // The same authors.
+    {.name = "carla-rs",
+     .rolls = true,
+     .exposed = "SEQ/%04d_rs.png",
+     .sharp = "SEQ/%04d_gs_m.png",
+     .sharp_first = "SEQ/%04d_gs_f.png",
+     .depth = "SEQ/%04d_rs.pdepth",
+     .velocity = "SEQ/gt_vel.log"},
     // D. Butler et al. 2012.
-    {"sintel", 1, false, "final/SEQ/frame_%04d.png", "clean/SEQ/frame_%04d.png", "", "flow/SEQ/frame_%04d.flo",
-     "occlusions/SEQ/frame_%04d.png", ""},
+    {.name = "sintel",
+     .first_number = 1,
+     .exposed = "final/SEQ/frame_%04d.png",
+     .sharp = "clean/SEQ/frame_%04d.png",
+     .flow = "flow/SEQ/frame_%04d.flo",
+     .occlusion = "occlusions/SEQ/frame_%04d.png"},
+    // M. Menze and A. Geiger 2015.
+    {.name = "kitti",
+     .exposed = "SEQ/training/image_2/%06d_10.png",
+     .flow = "SEQ/training/flow_occ/%06d_10.png",
+     .exposed_next = "SEQ/training/image_2/%06d_11.png",
+     .flow_seen = "SEQ/training/flow_noc/%06d_10.png"},
+    // O. Seiskari et al. 2024.
+    {.name = "3dgs-deblur", .exposed = "SEQ/images/%05d.png", .transforms = "SEQ/transforms.json", .sharp_every = 8},
 }};
 
 }  // namespace

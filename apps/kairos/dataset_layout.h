@@ -10,14 +10,21 @@ namespace kairos::cli {
 /// empty: the data set has no such file.
 struct DatasetLayout {
   const char* name;
-  int first_number;
-  bool rolls;               ///< its blurred pictures are of a rolling shutter
-  const char* exposed;      ///< with the shutter as it is
-  const char* sharp;        ///< at an instant, globally: the middle of the middle line's exposure
-  const char* sharp_first;  ///< that of the first line's
-  const char* flow;         ///< from a sharp picture to the next
-  const char* occlusion;    ///< of the flow
-  const char* log;          ///< a file of the sequence that says how it was made, without a number
+  int first_number = 0;
+  bool rolls = false;            ///< its blurred pictures are of a rolling shutter
+  const char* exposed;           ///< with the shutter as it is
+  const char* sharp = "";        ///< at an instant, globally: the middle of the middle line's exposure
+  const char* sharp_first = "";  ///< that of the first line's
+  const char* flow = "";         ///< from a sharp picture to the next
+  const char* occlusion = "";    ///< of the flow
+  const char* log = "";          ///< a file of the sequence that says how it was made, without a number
+  const char* exposed_next =
+      "";  ///< with a frame's number, the next frame's exposed picture; the last frame then has none
+  const char* flow_seen = "";   ///< the flow where the point is seen in the next sharp picture
+  const char* depth = "";       ///< text: depth along the view axis, each line in the middle of its exposure
+  const char* velocity = "";    ///< of the sequence: how the camera moves in the first frame
+  const char* transforms = "";  ///< of the sequence: poses and velocities of all frames
+  int sharp_every = 0;          ///< above 0: every so manyth frame, the first among them, is sharp in place of exposed
 };
 
 std::span<const DatasetLayout> dataset_layouts();

@@ -1,12 +1,15 @@
 // kairos expose: pictures of a file that holds time. kairos check: is it whole?
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include <kairos/error.h>
 #include <kairos/files.h>
+#include <kairos/flow.h>
+#include <kairos/object_layers.h>
 #include <kairos/time_file.h>
 #include <kairos/time_page.h>
 
@@ -34,29 +37,16 @@ struct ExposeArguments {
   int stack = 0;     ///< pictures; 0: none
   std::string page;  ///< its file, or empty
   int page_width = ShutterPageOptions().width;
-  bool coverage = false, quiet = false;
+  bool coverage = false, depth = false, mesh = false, motion = false;  ///< further layers
+  std::vector<MatteKind> mattes;
+  bool deep = false, quiet = false;
+
+  bool needs_objects() const { return depth || mesh || deep || !mattes.empty(); }
   int threads = 0;
 };
 
 void say(const ExposeArguments& arguments, const std::string& line) {
   if (!arguments.quiet) fmt::print(stderr, "{}\n", line);
-}
-
-/// Parts of the recorded time that rounding of times may make of what lies inside of it.
-constexpr double kInside = 1e-9;
-
-/// Throws Error(bad_input) where [open, close], scene time, leaves what the file holds: by how much, and what would
-/// cover it.
-void check_inside(const ExposeArguments& arguments, const TimeFrame& frame, double open, double close) {
-  const double slack = kInside * (frame.close - frame.open);
-  if (open >= frame.open - slack && close <= frame.close + slack) return;
-  const double first = (std::min(open, frame.open) - frame.frame_time) * frame.fps;
-  const double last = (std::max(close, frame.close) - frame.frame_time) * frame.fps;
-  throw Error(ErrorCode::bad_input, arguments.file,
-              fmt::format("holds {:.9g} s to {:.9g} s of the scene's time, and the exposure begins {:.6g} s before and "
-                          "ends {:.6g} s after that; render it again with --shutter {:.9g},{:.9g}",
-                          frame.open, frame.close, std::max(0.0, frame.open - open), std::max(0.0, close - frame.close),
-                          first, last));
 }
 
 /// A picture to make: of a shutter, or of an instant.
@@ -75,22 +65,31 @@ PixelWeights weights_of(const Exposure& exposure) {
           shutter.map != nullptr || (rolls && rows)};
 }
 
-Image expose(const ExposeArguments& arguments, const TimePicture& picture, const PictureJob& job,
-             const ExposeOptions& options) {
+struct Exposed {
+  Image image;
+  ExposedObjects objects;  ///< empty where nobody needs them
+};
+
+Exposed expose(const ExposeArguments& arguments, const TimePicture& picture, const PictureJob& job,
+               const ExposeOptions& options) {
   const TimeFrame& frame = picture.frame();
   Image image;
+  ExposedObjects objects;
   if (job.instant || frame.open == frame.close) {
     const double time = job.frame_time + job.instant.value_or(job.shutter.open);
-    check_inside(arguments, frame, time, time);
+    check_recorded(arguments.file, frame, time, time);
     const double length = frame.close - frame.open;
-    image = picture.at(length > 0 ? std::clamp((time - frame.open) / length, 0.0, 1.0) : 0, options);
+    const double shutter_time = length > 0 ? std::clamp((time - frame.open) / length, 0.0, 1.0) : 0;
+    image = picture.at(shutter_time, options);
+    if (arguments.needs_objects()) objects = picture.objects_at(shutter_time, options);
     image.attributes.push_back({"kairos:instant", time});
   } else {
     const ExposureInterval whole = whole_interval(job.shutter, frame.frame_width, frame.frame_height);
-    check_inside(arguments, frame, job.frame_time + whole.open, job.frame_time + whole.close);
+    check_recorded(arguments.file, frame, job.frame_time + whole.open, job.frame_time + whole.close);
     const Exposure exposure(job.shutter, job.frame_time, frame.frame_width, frame.frame_height, frame.open,
                             frame.close);
     image = picture.expose(weights_of(exposure), options);
+    if (arguments.needs_objects()) objects = picture.objects(weights_of(exposure), options);
     const std::string text = shutter_text(job.shutter, frame.frame_width, frame.frame_height);
     image.attributes.push_back({"kairos:exposed", text});
     image.attributes.push_back({"kairos:exposure", std::array<double, 2>{job.shutter.open, job.shutter.close}});
@@ -102,7 +101,38 @@ Image expose(const ExposeArguments& arguments, const TimePicture& picture, const
     if (!arguments.frames && arguments.stack == 0) say(arguments, text);
   }
   image.attributes.push_back({"kairos:exposed_with", arguments.command_line});
-  return image;
+  if (arguments.depth) add_depth(image, objects);
+  if (arguments.mesh) add_mesh_ids(image, objects);
+  for (const MatteKind kind : arguments.mattes) add_cryptomatte(image, objects, frame, kind);
+  return {std::move(image), std::move(objects)};
+}
+
+/// Where the point that a pixel's centre shows in the middle of the exposure (of a rolling shutter, of its middle
+/// line's) is at its end, and where it was at its beginning: channels "forward.u", "forward.v", "backward.u",
+/// "backward.v", as flow's.
+void add_motion(const ExposeArguments& arguments, const TimeFile& file, const PictureJob& job, Image& image) {
+  const TimeFrame& frame = file.picture().frame();
+  const bool columns = job.shutter.scan == Scan::left || job.shutter.scan == Scan::right;
+  const int lines = columns ? frame.frame_width : frame.frame_height;
+  const ExposureInterval interval = line_interval(job.shutter, (lines - 1) / 2);
+  const auto recorded = [&](double time) { return std::clamp(job.frame_time + time, frame.open, frame.close); };
+  const double open = recorded(interval.open), close = recorded(interval.close), middle = (open + close) / 2;
+  FlowOptions options;
+  options.threads = arguments.threads;
+  options.progress = [](double) { return !interrupted(); };
+  for (const bool backward : {false, true}) {
+    options.backward = backward;
+    const Image flow_all = flow(backward ? file.shot(open, middle) : file.shot(middle, close), options);
+    for (const char* axis : {"u", "v"}) {
+      const std::vector<float>& whole = flow_all.find(std::string("flow.") + axis)->values;
+      Channel channel{std::string(backward ? "backward." : "forward.") + axis, Channel::Storage::exact, {}};
+      for (int y = 0; y < image.height; ++y) {
+        const auto row = whole.begin() + static_cast<std::ptrdiff_t>(y + image.top) * image.frame_width + image.left;
+        channel.values.insert(channel.values.end(), row, row + image.width);
+      }
+      image.channels.push_back(std::move(channel));
+    }
+  }
 }
 
 void write_page(const ExposeArguments& arguments, const TimePicture& picture) {
@@ -160,6 +190,13 @@ void run_expose(const ExposeArguments& arguments) {
   if (arguments.out.empty()) return;
   const std::vector<PictureJob> jobs = jobs_of(arguments, picture.frame());
   for (const PictureJob& job : jobs) check_writable_image(job.out);
+  if (arguments.needs_objects() && !picture.has_objects())
+    throw Error(ErrorCode::bad_input, arguments.file,
+                "does not hold what each object contributes, which depth, mesh, --cryptomatte and --deep are made of; "
+                "render it again with --time-planes objects");
+  if (arguments.motion && !file.has_geometry())
+    throw Error(ErrorCode::bad_input, arguments.file,
+                "does not hold where things are, which motion is made of; render it again with --time-planes geometry");
   if (arguments.at && !picture.quality().exact())
     say(arguments,
         "note: what this file holds is exact for exposures, within its tolerance, and not for an instant; see "
@@ -170,11 +207,16 @@ void run_expose(const ExposeArguments& arguments) {
   options.progress = [](double) { return !interrupted(); };
   begin_polling();
   for (const PictureJob& job : jobs) {
-    const Image image = expose(arguments, picture, job, options);
+    Exposed exposed = expose(arguments, picture, job, options);
+    if (arguments.motion) add_motion(arguments, file, job, exposed.image);
     WriteOptions write = arguments.write;
     write.view = arguments.view.choice.value_or(picture.frame().view);
     write.exposure = arguments.view.exposure;
-    write_interruptibly(image, job.out, write);
+    if (arguments.deep)
+      write_deep_image(deep_objects(exposed.image, exposed.objects, picture.frame()), job.out,
+                       [] { return !interrupted(); });
+    else
+      write_interruptibly(exposed.image, job.out, write);
     begin_polling();
     say(arguments, "wrote " + job.out);
   }
@@ -231,11 +273,43 @@ void add_expose_command(CLI::App& app, Action& chosen, const std::string& comman
       .add_option_function<std::string>(
           "--aov",
           [arguments](const std::string& text) {
-            if (text != "coverage") throw CLI::ValidationError("--aov", fmt::format("'{}' is not: coverage", text));
-            arguments->coverage = true;
+            for (const std::string_view name : list_of(text)) {
+              const std::map<std::string_view, bool*> known{{"coverage", &arguments->coverage},
+                                                            {"depth", &arguments->depth},
+                                                            {"mesh", &arguments->mesh},
+                                                            {"motion", &arguments->motion}};
+              if (!known.contains(name))
+                throw CLI::ValidationError("--aov",
+                                           fmt::format("'{}' is not one of: coverage, depth, mesh, motion", name));
+              *known.at(name) = true;
+            }
           },
-          "A further EXR layer: coverage")
-      ->type_name("coverage");
+          "Further EXR layers, separated by commas: coverage; where the file holds objects, depth and mesh; where "
+          "it holds geometry, motion")
+      ->type_name("A,B,...");
+  command
+      .add_option_function<std::string>(
+          "--cryptomatte",
+          [arguments](const std::string& text) {
+            for (const std::string_view name : list_of(text)) {
+              if (name != "object" && name != "material")
+                throw CLI::ValidationError("--cryptomatte", fmt::format("'{}' is not one of: object, material", name));
+              arguments->mattes.push_back(name == "object" ? MatteKind::object : MatteKind::material);
+            }
+          },
+          "Layers of Cryptomatte: how much of each object or material the exposure shows, exactly")
+      ->type_name("object,material");
+  command
+      .add_option_function<std::string>(
+          "--deep",
+          [arguments](const std::string& text) {
+            if (text != "object") throw CLI::ValidationError("--deep", fmt::format("'{}' is not: object", text));
+            arguments->deep = true;
+          },
+          "Write deep EXR, a sample for each object in a pixel; composited, they are the exposure")
+      ->type_name("object")
+      ->excludes("--aov")
+      ->excludes("--cryptomatte");
   add_view_options(command, arguments->view);
   command.add_flag("--half", arguments->write.half, "16-bit colours in EXR");
   add_count(command, "--threads", arguments->threads, 0, 1024, "Threads; 0: as many as the machine has");
@@ -243,6 +317,11 @@ void add_expose_command(CLI::App& app, Action& chosen, const std::string& comman
   command.callback([arguments, &chosen, &command] {
     if (arguments->out.empty() && arguments->page.empty()) throw CLI::RequiredError("--output");
     check_view(command, arguments->out);
+    const bool layers = arguments->needs_objects() || arguments->coverage || arguments->motion;
+    if (arguments->motion && arguments->at)
+      throw CLI::ValidationError("--aov", "motion is that of an exposure; for instants there is kairos flow");
+    if (layers && !arguments->out.ends_with(".exr"))
+      throw CLI::ValidationError("--output", "further layers are those of EXR; give a name with .exr");
     if (arguments->frames || arguments->stack > 0) FrameName::check("--output", arguments->out);
     chosen = [arguments] { run_expose(*arguments); };
   });

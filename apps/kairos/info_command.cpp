@@ -167,11 +167,6 @@ void print_text(const Loaded& loaded) {
   for (const std::string& warning : scene.warnings) fmt::print("warning: {}\n", warning);
 }
 
-/// A file of kairos render --time.
-bool holds_time(const std::vector<std::string>& paths) {
-  return paths.size() == 1 && (paths[0].ends_with(".ktime") || paths[0].ends_with(".ktime.part"));
-}
-
 void print_time_file(const std::string& path, bool as_json) {
   const TimeFile file = TimeFile::open(path);
   const TimeFrame& frame = file.picture().frame();
@@ -194,6 +189,8 @@ void print_time_file(const std::string& path, bool as_json) {
     json["deviation"] = quality.deviation;
     json["rounding"] = quality.rounding;
     json["clamped"] = quality.clamped;
+    json["objects"] = frame.objects.size();
+    json["geometry"] = file.has_geometry();
     fmt::print("{}\n", json.dump(2));
     return;
   }
@@ -203,6 +200,9 @@ void print_time_file(const std::string& path, bool as_json) {
   fmt::print("shutter {} to {} (scene time), the frame's time is {}, {} frames per second\n", frame.open, frame.close,
              frame.frame_time, frame.fps);
   fmt::print("{}\n", quality_text(quality));
+  if (file.picture().has_objects())
+    fmt::print("what each of {} meshes contributes, and how far away it is\n", frame.objects.size());
+  if (file.has_geometry()) fmt::print("where everything is, for kairos flow\n");
   if (!file.info().finished)
     fmt::print("not finished: {} of {} tiles are there\n", file.info().tiles_there, file.info().tiles);
 }

@@ -76,9 +76,9 @@ void run_merge(const MergeArguments& arguments) {
 }  // namespace
 
 void add_merge_command(CLI::App& app, Action& chosen) {
-  CLI::App& command = *app.add_subcommand("merge", "Make a file of its parts, which others wrote with --part");
+  CLI::App& command = *app.add_subcommand("merge", "Make a file of its parts, which others rendered");
   const auto arguments = std::make_shared<MergeArguments>();
-  command.add_option("OUT", arguments->outs, "The file, by the name that was given with -o, or with --time")
+  command.add_option("OUT", arguments->outs, "The file, by the name that was given when its parts were rendered")
       ->required();
   command
       .add_option_function<std::string>(

@@ -37,7 +37,7 @@ struct RenderArguments {
   SceneArguments scene;
   SamplingArguments sampling;
   WriteOptions write;
-  double time_tolerance = TimeQuality().tolerance;
+  TimeFileOptions time_options;  ///< tolerance and planes
   RenderFiles files;
   std::string command_line;
   std::optional<double> checkpoint;  ///< seconds
@@ -176,8 +176,15 @@ void render_job(const RenderArguments& arguments, const FrameJob& job, Place pla
     const FrameClock clock = clock_of(exposed.options, contents(scene));
     RenderParams of_file = of_rays;  // a part holds some tiles of the whole
     of_file.crop = whole;
-    time.emplace(job.time, shot, of_file, TimeFileOptions{arguments.time_tolerance, clock, mark});
+    TimeFileOptions options = arguments.time_options;
+    options.clock = clock;
+    options.mark = mark;
+    time.emplace(job.time, shot, of_file, options);
     consumers.push_back(&*time);
+    const auto is_cut_out = [](const Material& m) { return m.alpha_mode == Material::AlphaMode::mask; };
+    if (options.geometry && std::any_of(shot.materials.begin(), shot.materials.end(), is_cut_out))
+      say(arguments, "note: the geometry of '" + job.time +
+                         "' has no cut-outs: flow takes surfaces as whole; kairos flow SCENE does not");
     if (time->tiles_before() > 0)
       say(arguments,
           fmt::format("{} of {} tiles are in '{}.part' already", time->tiles_before(), time->tiles(), job.time));
@@ -282,7 +289,7 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
   arguments->command = &command;
   add_scene_arguments(command, arguments->scene);
   add_picture_options(command, *arguments);
-  add_time_options(command, arguments->files.time, arguments->time_tolerance);
+  add_time_options(command, arguments->files.time, arguments->time_options);
   add_exposure_options(command, arguments->sampling.exposure);
   add_light_options(command, arguments->light);
   add_sampling_options(command, arguments->sampling);

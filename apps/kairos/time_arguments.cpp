@@ -1,7 +1,10 @@
 #include "time_arguments.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
+#include <kairos/error.h>
 #include <kairos/time_file.h>
 
 #include "arguments.h"
@@ -35,7 +38,35 @@ double parse_tolerance(const std::string& option, const std::string& text) {
 
 }  // namespace
 
-void add_time_options(CLI::App& app, std::string& path, double& tolerance) {
+bool holds_time(const std::vector<std::string>& paths) {
+  return paths.size() == 1 && (paths[0].ends_with(".ktime") || paths[0].ends_with(".ktime.part"));
+}
+
+void check_recorded(const std::string& path, const TimeFrame& frame, double open, double close) {
+  constexpr double kInside = 1e-9;  // parts of the recorded time that rounding may make of what lies inside of it
+  const double slack = kInside * (frame.close - frame.open);
+  if (open >= frame.open - slack && close <= frame.close + slack) return;
+  const double first = (std::min(open, frame.open) - frame.frame_time) * frame.fps;
+  const double last = (std::max(close, frame.close) - frame.frame_time) * frame.fps;
+  throw Error(
+      ErrorCode::bad_input, path,
+      fmt::format("holds {:.9g} s to {:.9g} s of the scene's time, and what is asked for begins {:.6g} s before "
+                  "and ends {:.6g} s after that; render it again with --shutter {:.9g},{:.9g}",
+                  frame.open, frame.close, std::max(0.0, frame.open - open), std::max(0.0, close - frame.close), first,
+                  last));
+}
+
+std::vector<std::string_view> list_of(std::string_view text) {
+  std::vector<std::string_view> items;
+  for (size_t comma = text.find(','); comma != text.npos; comma = text.find(',')) {
+    items.push_back(text.substr(0, comma));
+    text.remove_prefix(comma + 1);
+  }
+  items.push_back(text);
+  return items;
+}
+
+void add_time_options(CLI::App& app, std::string& path, TimeFileOptions& out) {
   app.add_option(
          "--time", path,
          "Also write what every pixel shows at every instant of the shutter's time, for kairos expose; what was "
@@ -43,10 +74,23 @@ void add_time_options(CLI::App& app, std::string& path, double& tolerance) {
       ->type_name("OUT.ktime");
   app.add_option_function<std::string>(
          "--time-tolerance",
-         [&tolerance](const std::string& text) { tolerance = parse_tolerance("--time-tolerance", text); },
+         [&out](const std::string& text) { out.tolerance = parse_tolerance("--time-tolerance", text); },
          "How far an exposure of LENGTH of the shutter's time, or longer, may be off; or exact")
       ->type_name("ERROR[@LENGTH]|exact")
       ->default_str("1/1024@1/8")
+      ->needs("--time");
+  app.add_option_function<std::string>(
+         "--time-planes",
+         [&out](const std::string& text) {
+           for (const std::string_view plane : list_of(text)) {
+             if (plane != "objects" && plane != "geometry")
+               throw CLI::ValidationError("--time-planes", fmt::format("'{}' is not one of: objects, geometry", plane));
+             (plane == "objects" ? out.objects : out.geometry) = true;
+           }
+         },
+         "What else the file holds: objects, what each mesh contributes to a pixel and how far away it is; geometry, "
+         "where everything is, for flow")
+      ->type_name("objects,geometry")
       ->needs("--time");
 }
 

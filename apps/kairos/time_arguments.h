@@ -2,16 +2,28 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include <kairos/scene.h>
-#include <kairos/time_picture.h>
+#include <kairos/time_file.h>
 
 namespace kairos::cli {
 
-/// --time, --time-tolerance. path: empty where none is to be written.
-void add_time_options(CLI::App& app, std::string& path, double& tolerance);
+/// --time, --time-tolerance, --time-planes. path: empty where none is to be written; out: tolerance and planes alone.
+void add_time_options(CLI::App& app, std::string& path, TimeFileOptions& out);
+
+/// Are these the name of a file of kairos render --time?
+bool holds_time(const std::vector<std::string>& paths);
+
+/// Throws Error(bad_input) where [open, close], scene time, leaves what a file holds: by how much, and what would cover
+/// it.
+void check_recorded(const std::string& path, const TimeFrame& frame, double open, double close);
+
+/// The items of a list with commas.
+std::vector<std::string_view> list_of(std::string_view text);
 
 /// From when a shot's shutter times are counted.
 FrameClock clock_of(const ShotOptions& options, const SceneContents& scene);

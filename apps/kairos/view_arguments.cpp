@@ -23,6 +23,10 @@ void add_view_options(CLI::App& app, ViewArguments& out) {
 void check_view(const CLI::App& app, const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (path.empty()) {
+    for (const char* option : {"--view", "--exposure"})
+      if (app.count(option) > 0) throw CLI::ValidationError(option, "is for a picture; give --output, too");
+  }
   if (extension != ".exr") return;
   for (const char* option : {"--view", "--exposure"})
     if (app.count(option) > 0)

@@ -15,6 +15,8 @@ struct TimeFileOptions {
   FrameClock clock;
   /// Says from what and how the rendering is made: a part of another one is not continued.
   std::string mark;
+  bool objects = false;   ///< keep what each mesh contributes, and how far away it is: TimePicture::objects
+  bool geometry = false;  ///< keep where everything is: TimeFile::shot
 };
 
 /// Writes what pixels show over time, tile by tile as they are complete, to PATH.part; finish() makes PATH of it. What
@@ -71,15 +73,24 @@ class KAIROS_API TimeFile {
   const TimeFileInfo& info() const { return info_; }
   const TimePicture& picture() const { return picture_; }
 
+  bool has_geometry() const;
+  /// Where everything is while the picture's shutter is open, from scene time `from` to `to`: what was rendered,
+  /// without what surfaces look like, and without what blends. Cut-outs are whole. For `flow`, and for poses of the
+  /// camera. Throws Error(bad_usage) where there is no geometry, and for times that are not in order or not recorded;
+  /// Error(bad_input) where it is damaged.
+  Shot shot(double from, double to) const;
+
   /// Reads all of the file. Throws Error(bad_input) that names the first tile that is damaged.
   void check() const;
 
  private:
-  TimeFile(TimeFileInfo info, TimePicture picture, std::string path)
-      : info_(info), picture_(std::move(picture)), path_(std::move(path)) {}
+  class Tiles;
+  TimeFile(TimeFileInfo info, TimePicture picture, std::shared_ptr<Tiles> tiles, std::string path)
+      : info_(info), picture_(std::move(picture)), tiles_(std::move(tiles)), path_(std::move(path)) {}
 
   TimeFileInfo info_;
   TimePicture picture_;
+  std::shared_ptr<Tiles> tiles_;
   std::string path_;
 };
 

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
+#include <string>
 #include <vector>
 
 #include <kairos/export.h>
@@ -49,6 +51,12 @@ struct TimeFrame {
   bool alpha = false;                            ///< is coverage the colours' alpha? RenderParams::alpha
   ViewTransform view = ViewTransform::standard;  ///< in which a screen shows it best
   std::vector<Attribute> attributes;             ///< how it was made
+  struct Object {
+    std::string name;
+    uint32_t material = 0;  ///< index
+  };
+  std::vector<Object> objects;         ///< [mesh], where what each contributes is kept
+  std::vector<std::string> materials;  ///< the same: names
 };
 
 /// The weight of a pixel, in shutter time, and whether all pixels of a row or a column have the same one.
@@ -64,6 +72,24 @@ struct ExposeOptions {
 };
 
 class TimeTiles;
+
+/// A mesh that an exposure shows in a pixel.
+struct SeenObject {
+  uint32_t mesh = 0;   ///< TimeFrame::objects
+  Vec3f colour;        ///< what it contributes to the pixel's colour: premultiplied
+  float coverage = 0;  ///< how much of the pixel and the exposure it fills
+  float depth = 0;     ///< the nearest distance along the view axis at which the exposure sees it
+};
+
+/// All meshes that an exposure shows.
+struct ExposedObjects {
+  std::vector<size_t> first;     ///< [pixel], rows from the top, and the end of the last one: of its objects
+  std::vector<SeenObject> seen;  ///< ascending meshes within a pixel
+
+  std::span<const SeenObject> of(size_t pixel) const {
+    return std::span(seen).subspan(first[pixel], first[pixel + 1] - first[pixel]);
+  }
+};
 
 /// Immutable; copies share what they hold. May be used from any number of threads.
 class KAIROS_API TimePicture {
@@ -88,6 +114,15 @@ class KAIROS_API TimePicture {
   /// pictures are exact at an instant.
   Image at(double time, const ExposeOptions& options = {}) const;
 
+  /// Is it kept what each mesh contributes?
+  bool has_objects() const;
+  /// Every pixel's meshes under its weight: integrals in closed form, like the picture's, and within the same bound.
+  /// Colours and coverages of a pixel add to the picture's, but for what is seen of sky and background and what the
+  /// bound allows. Throws Error(bad_usage) where has_objects() says no, and what `expose` does.
+  ExposedObjects objects(const PixelWeights& weights, const ExposeOptions& options = {}) const;
+  /// At a shutter time, 0 to 1.
+  ExposedObjects objects_at(double time, const ExposeOptions& options = {}) const;
+
   /// A pixel's pieces in order of time, from 0 to 1; none where it was not rendered. x, y: in the full frame; throws
   /// Error(bad_usage) for one that is not held.
   std::vector<TimePiece> signal(int x, int y) const;
@@ -105,10 +140,10 @@ struct FrameClock {
 /// Keeps what pixels show over time in memory.
 class KAIROS_API TimeFilm : public PixelConsumer {
  public:
-  /// tolerance: see TimeQuality. Throws Error(bad_usage) for one that makes no sense, a crop that is not in the frame
-  /// and an integrator without time.
+  /// tolerance: see TimeQuality. objects: keep what each mesh contributes, too. Throws Error(bad_usage) for one that
+  /// makes no sense, a crop that is not in the frame and an integrator without time.
   TimeFilm(const Shot& shot, const RenderParams& params, double tolerance = TimeQuality().tolerance,
-           FrameClock clock = {});
+           FrameClock clock = {}, bool objects = false);
   ~TimeFilm() override;
 
   RecordNeeds needs() const override;

@@ -32,18 +32,20 @@ double coverage_of(const SeenPart& part) { return part.where.mesh == kNoMesh ? 0
 /// What layers seen at the same time make of the parts behind each other.
 struct Layering {
   double open = 1;
+  double covered = 0;  // by layers that count, though there may be others
   bool sky = false;
 
   /// Returns how much of the layer is seen.
-  double pass(const SeenPart& layer) {
+  double pass(const SeenPart& layer, bool counts) {
     const double share = open * static_cast<double>(layer.opacity);
-    if (layer.where.mesh == kNoMesh)
+    if (layer.where.mesh == kNoMesh) {
       sky = true;
-    else
+    } else {
       open *= 1 - static_cast<double>(layer.opacity);
+      if (counts) covered += share;
+    }
     return share;
   }
-  double coverage() const { return 1 - open; }
   /// How much of the background is seen through them.
   double gap() const { return sky ? 0 : open; }
 };
@@ -83,6 +85,22 @@ void TimeSignal::turn(uint64_t tick, const Rgba& by) {
 }
 
 std::span<const SignalPiece> TimeSignal::make(const PixelRecord& record) {
+  mesh_.reset();
+  background_ = colour_of(record.background, 0);
+  return make_counted(record);
+}
+
+std::span<const SignalPiece> TimeSignal::make_of_mesh(const PixelRecord& record, uint32_t mesh) {
+  mesh_ = mesh;
+  background_ = {};
+  return make_counted(record);
+}
+
+bool TimeSignal::any_counts(std::span<const SeenPart> layers) const {
+  return std::any_of(layers.begin(), layers.end(), [&](const SeenPart& layer) { return counts(layer); });
+}
+
+std::span<const SignalPiece> TimeSignal::make_counted(const PixelRecord& record) {
   record_ = &record;
   start_ = variation_ = {};
   events_.clear();
@@ -107,14 +125,16 @@ std::span<const SignalPiece> TimeSignal::make(const PixelRecord& record) {
 
 /// What a ray of one instant sees, all the time.
 void TimeSignal::add_instant(std::span<const SeenPart> parts, double share) {
-  if (parts.empty()) return add_to(start_, colour_of(record_->background, 0), share);
+  if (parts.empty()) return add_to(start_, background_, share);
   for (size_t first = 0; first < parts.size();) {
     const auto layers = layers_at(parts, first);
     Layering layering;
-    for (const SeenPart& layer : layers)
-      add_to(start_, colour_of(record_->knots[layer.first_knot].colour, 0), share * layering.pass(layer));
-    add_to(start_, colour_of(record_->background, 0), share * layering.gap());
-    start_[3] += share * layering.coverage();
+    for (const SeenPart& layer : layers) {
+      const double passed = layering.pass(layer, counts(layer));
+      if (counts(layer)) add_to(start_, colour_of(record_->knots[layer.first_knot].colour, 0), share * passed);
+    }
+    add_to(start_, background_, share * layering.gap());
+    start_[3] += share * layering.covered;
     first += layers.size();
   }
 }
@@ -122,7 +142,7 @@ void TimeSignal::add_instant(std::span<const SeenPart> parts, double share) {
 void TimeSignal::add(const PixelRay& ray, double share) {
   const std::span<const SeenPart> parts = record_->parts_of(ray);
   if (!ray.is_over_time()) return add_instant(parts, share);
-  const Rgba background = colour_of(record_->background, 0);
+  const Rgba& background = background_;
   add_to(start_, background, share);
   Rgba level = background;  // the ray's, before `until`; from there on the background's unless something begins
   uint64_t until = 0;
@@ -135,7 +155,7 @@ void TimeSignal::add(const PixelRay& ray, double share) {
     first += layers.size();
     const SeenPart& part = layers[0];
     const uint64_t begin = tick_of(part.where.begin), end = tick_of(part.where.end);
-    if (begin >= end) continue;
+    if (begin >= end || (mesh_ && !any_counts(layers))) continue;
     if (until < begin) step_to(until, background);
     if (!is_opaque(layers)) {
       step_to(begin, background);
@@ -179,10 +199,13 @@ void TimeSignal::add_knots(const SeenPart& part, const Rgba& outside, double sha
 /// Layers seen at the same time, from front to back, in place of the background.
 void TimeSignal::add_layers(std::span<const SeenPart> layers, double share) {
   Layering layering;
-  for (const SeenPart& layer : layers) add_knots(layer, {}, share * layering.pass(layer), 0);
-  Rgba behind = colour_of(record_->background, 0);
+  for (const SeenPart& layer : layers) {
+    const double passed = layering.pass(layer, counts(layer));
+    if (counts(layer)) add_knots(layer, {}, share * passed, 0);
+  }
+  Rgba behind = background_;
   for (double& value : behind) value *= layering.gap() - 1;
-  behind[3] = layering.coverage();
+  behind[3] = layering.covered;
   const SeenPart& front = layers[0];
   jump(tick_of(front.where.begin), difference(behind, {}, share));
   jump(tick_of(front.where.end), difference({}, behind, share));

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -29,6 +30,9 @@ class TimeSignal {
   /// At least one piece; valid until the next record. Rays of one instant count as if they held for all of the shutter,
   /// and so does the still term.
   std::span<const SignalPiece> make(const PixelRecord& record);
+  /// What one mesh contributes to that: zero where it is not seen. Those of all meshes, and of the sky and the
+  /// background, add to the signal.
+  std::span<const SignalPiece> make_of_mesh(const PixelRecord& record, uint32_t mesh);
 
   /// By how much, at most, the integral of the signal from 0 to any instant is off because cuts are rounded to ticks.
   double shift() const { return shift_; }
@@ -38,6 +42,9 @@ class TimeSignal {
     Rgba jump, slope;  ///< change of both; slope: per tick
   };
 
+  std::span<const SignalPiece> make_counted(const PixelRecord& record);
+  bool counts(const SeenPart& part) const { return !mesh_ || part.where.mesh == *mesh_; }
+  bool any_counts(std::span<const SeenPart> layers) const;
   void add(const PixelRay& ray, double share);
   void add_instant(std::span<const SeenPart> parts, double share);
   void add_layers(std::span<const SeenPart> layers, double share);
@@ -51,6 +58,8 @@ class TimeSignal {
 
   double shift_ = 0;
   const PixelRecord* record_ = nullptr;
+  std::optional<uint32_t> mesh_;  // the only one that counts
+  Rgba background_{};             // zero where it does not count
   Rgba variation_{};
   Rgba start_{};  // what the signal begins with, without events at its beginning
   std::vector<Event> events_;

@@ -16,7 +16,7 @@ void append(std::vector<T>& to, const std::vector<T>& from, size_t begin, size_t
 }
 
 /// Appends a pixel of another tile.
-void append_pixel(TimeTile& to, const TimeTile& from, size_t pixel) {
+void append_signal(TimeTile& to, const TimeTile& from, size_t pixel) {
   const size_t begin = from.first[pixel], end = from.first[pixel + 1];
   append(to.begin, from.begin, begin, end);
   if (from.exact()) {
@@ -39,29 +39,66 @@ void clear(TimeTile& tile) {
   tile.deviation = {};
 }
 
+void append_object(ObjectTile& to, const ObjectTile& from, size_t object) {
+  to.mesh.push_back(from.mesh[object]);
+  append_signal(to.signals, from.signals, object);
+  const size_t begin = from.depth.first[object], end = from.depth.first[object + 1];
+  append(to.depth.begin, from.depth.begin, begin, end);
+  append(to.depth.left, from.depth.left, begin, end);
+  append(to.depth.right, from.depth.right, begin, end);
+  to.depth.first.push_back(static_cast<uint32_t>(to.depth.begin.size()));
+}
+
+void append_pixel(WholeTile& to, const WholeTile& from, size_t pixel) {
+  append_signal(to.signals, from.signals, pixel);
+  if (from.objects.empty()) return;
+  for (size_t object = from.objects.first[pixel]; object < from.objects.first[pixel + 1]; ++object)
+    append_object(to.objects, from.objects, object);
+  to.objects.first.push_back(static_cast<uint32_t>(to.objects.mesh.size()));
+}
+
+/// Without pixels, and with room for what meshes contribute to them only where that is kept.
+void clear(WholeTile& tile, bool objects) {
+  clear(tile.signals);
+  if (!objects) return;
+  tile.objects.first.assign(1, 0);
+  tile.objects.mesh.clear();
+  clear(tile.objects.signals);
+  tile.objects.depth.first.assign(1, 0);
+  tile.objects.depth.begin.clear();
+  tile.objects.depth.left.clear();
+  tile.objects.depth.right.clear();
+}
+
+void join_deviation(WholeTile& to, const WholeTile& from) {
+  to.signals.deviation.join(from.signals.deviation);
+  to.objects.signals.deviation.join(from.objects.signals.deviation);
+}
+
 }  // namespace
 
 /// A tile of which pixels are missing.
 struct TileMaker::Open {
   std::mutex mutex;
-  TimeTile pixels;               // in the order in which they came
+  WholeTile pixels;              // in the order in which they came
   std::vector<uint32_t> places;  // [pixel of the tile]: where it is among them
   size_t missing = 0;
 };
 
 struct TileMaker::Workspace {
-  explicit Workspace(double tolerance) : coder(tolerance) {}
+  explicit Workspace(double tolerance) : coder(tolerance), objects(tolerance) {}
 
   TimeSignal signal;
   TimeCoder coder;
-  TimeTile pixel;  // a single one
+  ObjectCoder objects;
+  WholeTile pixel;  // a single one
 };
 
-TileMaker::TileMaker(TileGrid grid, int left, int top, double tolerance)
-    : grid_(grid), left_(left), top_(top), tolerance_(tolerance), open_(grid.count()) {}
+TileMaker::TileMaker(TileGrid grid, int left, int top, double tolerance, bool objects)
+    : grid_(grid), left_(left), top_(top), tolerance_(tolerance), objects_(objects), open_(grid.count()) {}
 TileMaker::~TileMaker() = default;
 
-std::optional<TimeTile> TileMaker::add(const PixelRecord& record, size_t& number) {
+std::optional<WholeTile> TileMaker::add(const PixelRecord& record, size_t& number) {
   const int x = record.x - left_, y = record.y - top_;
   number = grid_.tile_of(x, y);
   std::unique_ptr<Workspace> work;
@@ -72,7 +109,7 @@ std::optional<TimeTile> TileMaker::add(const PixelRecord& record, size_t& number
       open_[number] = std::make_unique<Open>();
       open_[number]->missing = grid_.pixel_count(number);
       open_[number]->places.resize(grid_.pixel_count(number));
-      clear(open_[number]->pixels);
+      clear(open_[number]->pixels, objects_);
     }
     open = open_[number].get();
     if (!idle_.empty()) {
@@ -81,16 +118,17 @@ std::optional<TimeTile> TileMaker::add(const PixelRecord& record, size_t& number
     }
   }
   if (work == nullptr) work = std::make_unique<Workspace>(tolerance_);
-  clear(work->pixel);
+  clear(work->pixel, objects_);
   const std::span<const SignalPiece> signal = work->signal.make(record);
-  work->coder.add(signal, work->signal.shift(), work->pixel);
+  work->coder.add(signal, work->signal.shift(), work->pixel.signals);
+  if (objects_) work->objects.add(record, work->pixel.objects);
 
   bool complete = false;
   {
     const std::lock_guard<std::mutex> lock(open->mutex);
-    open->places[grid_.index(x, y)] = static_cast<uint32_t>(open->pixels.pixels());
+    open->places[grid_.index(x, y)] = static_cast<uint32_t>(open->pixels.signals.pixels());
     append_pixel(open->pixels, work->pixel, 0);
-    open->pixels.deviation.join(work->pixel.deviation);
+    join_deviation(open->pixels, work->pixel);
     complete = --open->missing == 0;
   }
   std::unique_ptr<Open> closed;
@@ -100,9 +138,9 @@ std::optional<TimeTile> TileMaker::add(const PixelRecord& record, size_t& number
     if (complete) closed = std::move(open_[number]);
   }
   if (closed == nullptr) return std::nullopt;
-  TimeTile tile;
-  clear(tile);
-  tile.deviation = closed->pixels.deviation;
+  WholeTile tile;
+  clear(tile, objects_);
+  join_deviation(tile, closed->pixels);
   for (const uint32_t place : closed->places) append_pixel(tile, closed->pixels, place);
   return tile;
 }
@@ -125,7 +163,7 @@ RecordNeeds time_needs(const RenderParams& params) {
   return {unlit ? RecordNeeds::Time::curves : RecordNeeds::Time::segments, false, false};
 }
 
-TimeFrame time_frame(const Shot& shot, const RenderParams& params, const FrameClock& clock) {
+TimeFrame time_frame(const Shot& shot, const RenderParams& params, const FrameClock& clock, bool objects) {
   const Projection& projection = shot.projection;
   const Crop crop = params.crop.value_or(Crop{0, projection.width, 0, projection.height});
   if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > projection.width || crop.y1 > projection.height || crop.x0 >= crop.x1 ||
@@ -150,6 +188,10 @@ TimeFrame time_frame(const Shot& shot, const RenderParams& params, const FrameCl
   if (!projection.matrix) frame.pixel_aspect = projection.pixel_aspect;
   frame.alpha = params.alpha;
   frame.view = usual_view(shot, params.shading);
+  if (objects) {
+    for (const Mesh& mesh : shot.meshes) frame.objects.push_back({mesh.name, mesh.material});
+    for (const Material& material : shot.materials) frame.materials.push_back(material.name);
+  }
   Image described;
   describe(described, shot, params, {});
   for (Attribute& attribute : described.attributes)

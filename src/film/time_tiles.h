@@ -8,6 +8,8 @@
 
 #include <kairos/time_picture.h>
 
+#include "film/object_coder.h"
+#include "film/object_tile.h"
 #include "film/time_coder.h"
 #include "film/time_signal.h"
 #include "film/time_tile.h"
@@ -51,20 +53,30 @@ class TimeTiles {
   virtual ~TimeTiles() = default;
   /// Null where none of its pixels was rendered.
   virtual std::shared_ptr<const TimeTile> tile(size_t number) = 0;
+  /// Null also where meshes are not kept.
+  virtual std::shared_ptr<const ObjectTile> objects(size_t number) = 0;
+  virtual bool has_objects() const = 0;
   virtual TimeQuality quality() = 0;
+};
+
+/// All that is kept of a square of pixels.
+struct WholeTile {
+  TimeTile signals;
+  ObjectTile objects;  ///< empty where meshes are not kept
 };
 
 /// Makes tiles of records, which come in any order and from any thread.
 class TileMaker {
  public:
-  TileMaker(TileGrid grid, int left, int top, double tolerance);
+  TileMaker(TileGrid grid, int left, int top, double tolerance, bool objects);
   ~TileMaker();
 
   const TileGrid& grid() const { return grid_; }
   double tolerance() const { return tolerance_; }
+  bool keeps_objects() const { return objects_; }
 
   /// The record's tile, if this was its last pixel, else none. `number`: set to the tile's in any case.
-  std::optional<TimeTile> add(const PixelRecord& record, size_t& number);
+  std::optional<WholeTile> add(const PixelRecord& record, size_t& number);
 
  private:
   struct Open;
@@ -73,6 +85,7 @@ class TileMaker {
   TileGrid grid_;
   int left_, top_;  // of the picture in the frame
   double tolerance_;
+  bool objects_;
   std::mutex mutex_;                         // of what follows, not of what it points to
   std::vector<std::unique_ptr<Open>> open_;  // [tile]
   std::vector<std::unique_ptr<Workspace>> idle_;
@@ -82,7 +95,7 @@ class TileMaker {
 void add_to(TimeQuality& quality, const TimeTile& tile);
 
 /// Of what is rendered. Throws Error(bad_usage): see TimeFilm.
-TimeFrame time_frame(const Shot& shot, const RenderParams& params, const FrameClock& clock);
+TimeFrame time_frame(const Shot& shot, const RenderParams& params, const FrameClock& clock, bool objects);
 /// Throws Error(bad_usage) for one that makes no sense.
 void check_tolerance(double tolerance);
 /// What a consumer that keeps time needs of records: where what moves throws light and shadow on what does not, time

@@ -4,21 +4,13 @@
 #include <cstring>
 
 #include <OpenEXR/ImfChannelList.h>
-#include <OpenEXR/ImfDoubleAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
-#include <OpenEXR/ImfIO.h>
-#include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfOutputFile.h>
-#include <OpenEXR/ImfStandardAttributes.h>
-#include <OpenEXR/ImfStringAttribute.h>
-#include <OpenEXR/ImfStringVectorAttribute.h>
-#include <OpenEXR/ImfVecAttribute.h>
 
 #include <kairos/error.h>
 
-#include "base/atomic_file.h"
-#include "image/exr_library.h"
+#include "image/exr_output.h"
 
 namespace kairos {
 
@@ -26,30 +18,6 @@ namespace {
 
 // Between which the caller may stop: a few milliseconds of work for wide pictures.
 constexpr int kRowsAtOnce = 64;
-
-class OutputStream : public Imf::OStream {
- public:
-  OutputStream(AtomicFile& file, const std::string& path) : Imf::OStream(path.c_str()), file_(file) {}
-  void write(const char data[], int size) override { file_.write(data, static_cast<size_t>(size)); }
-  uint64_t tellp() override { return file_.tell(); }
-  void seekp(uint64_t position) override { file_.seek(position); }
-
- private:
-  AtomicFile& file_;
-};
-
-struct AttributeWriter {
-  Imf::Header& header;
-  const char* name;
-
-  void operator()(const std::string& v) const { header.insert(name, Imf::StringAttribute(v)); }
-  void operator()(int v) const { header.insert(name, Imf::IntAttribute(v)); }
-  void operator()(double v) const { header.insert(name, Imf::DoubleAttribute(v)); }
-  void operator()(const std::array<double, 2>& v) const {
-    header.insert(name, Imf::V2dAttribute(Imath::V2d(v[0], v[1])));
-  }
-  void operator()(const std::vector<std::string>& v) const { header.insert(name, Imf::StringVectorAttribute(v)); }
-};
 
 // A channel as the file holds it.
 struct Plane {
@@ -80,12 +48,8 @@ Plane encode(const Channel& channel, bool half_colours) {
 
 void write_exr(const Image& image, const std::string& path, const WriteOptions& options) {
   translate_exr_errors(path, ErrorCode::io, "cannot be written as EXR", [&] {
-    const Imath::Box2i display({0, 0}, {image.frame_width - 1, image.frame_height - 1});
-    const Imath::Box2i data({image.left, image.top}, {image.left + image.width - 1, image.top + image.height - 1});
-    Imf::Header header(display, data, static_cast<float>(image.pixel_aspect), Imath::V2f(0, 0), 1, Imf::INCREASING_Y,
-                       Imf::ZIP_COMPRESSION);
-    for (const Attribute& attribute : image.attributes)
-      std::visit(AttributeWriter{header, attribute.name.c_str()}, attribute.value);
+    Imf::Header header = exr_header(image, Imf::ZIP_COMPRESSION);
+    const Imath::Box2i& data = header.dataWindow();
     std::vector<Plane> planes;
     Imf::FrameBuffer buffer;
     for (const Channel& channel : image.channels) {
@@ -97,7 +61,7 @@ void write_exr(const Image& image, const std::string& path, const WriteOptions& 
     }
     AtomicFile file(path);
     {
-      OutputStream stream(file, path);
+      ExrStream stream(file, path);
       Imf::OutputFile exr(stream, header, 0);
       exr.setFrameBuffer(buffer);
       for (int row = 0; row < image.height; row += kRowsAtOnce) {

@@ -1,6 +1,7 @@
 #include "time_io/chunk_scan.h"
 
 #include <cerrno>
+#include <set>
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -22,7 +23,7 @@ bool read_chunk(int file, const IndexEntry& entry, const TileGrid& grid, std::ve
   std::array<uint8_t, kChunkHeadBytes> bytes{};
   ChunkHead head;
   if (!read_at(file, entry.offset, bytes) || !parse_chunk_head(bytes, grid, head) || head.tile != entry.head.tile ||
-      head.plane != entry.head.plane || head.pieces != entry.head.pieces ||
+      head.plane != entry.head.plane || counts_of(head, grid) != counts_of(entry.head, grid) ||
       head.packed_bytes != entry.head.packed_bytes)
     return false;
   packed.resize(head.packed_bytes);
@@ -31,7 +32,7 @@ bool read_chunk(int file, const IndexEntry& entry, const TileGrid& grid, std::ve
 
 std::vector<IndexEntry> scan_chunks(int file, uint64_t offset, const TileGrid& grid) {
   std::vector<IndexEntry> entries;
-  std::vector<bool> known(grid.count());
+  std::set<std::pair<TimePlane, uint32_t>> known;
   struct stat status {};
   if (fstat(file, &status) != 0) return entries;
   const auto size = static_cast<uint64_t>(status.st_size);
@@ -42,8 +43,7 @@ std::vector<IndexEntry> scan_chunks(int file, uint64_t offset, const TileGrid& g
     if (!parse_chunk_head(bytes, grid, entry.head)) break;
     const uint64_t next = offset + aligned(kChunkHeadBytes + entry.head.packed_bytes);
     if (next > size || !read_chunk(file, entry, grid, packed)) break;
-    if (!known[entry.head.tile]) entries.push_back(entry);
-    known[entry.head.tile] = true;
+    if (known.insert({entry.head.plane, entry.head.tile}).second) entries.push_back(entry);
     offset = next;
   }
   return entries;

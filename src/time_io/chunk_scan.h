@@ -13,7 +13,7 @@ namespace kairos {
 /// refuses.
 bool read_at(int file, uint64_t offset, std::span<uint8_t> out);
 
-/// The whole chunks from `offset` up to the first that is none or damaged; of several of one tile the first.
+/// The whole chunks from `offset` up to the first that is none or damaged; of several of one tile and plane the first.
 std::vector<IndexEntry> scan_chunks(int file, uint64_t offset, const TileGrid& grid);
 
 /// Reads what a chunk has packed. False where it is not what was written.

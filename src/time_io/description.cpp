@@ -75,6 +75,13 @@ std::string description_text(const FileDescription& description) {
   root["tolerance"] = description.tolerance;
   root["tolerance_unit"] = "shutter time x max(1, mean of the channel)";
   root["mark"] = description.mark;
+  if (description.objects) {
+    root["objects"] = ordered_json::array();
+    for (const TimeFrame::Object& object : frame.objects)
+      root["objects"].push_back({{"name", object.name}, {"material", object.material}});
+    root["materials"] = frame.materials;
+  }
+  if (description.geometry_bytes > 0) root["geometry_bytes"] = description.geometry_bytes;
   root["attributes"] = ordered_json::object();
   for (const Attribute& attribute : frame.attributes) root["attributes"][attribute.name] = attribute_json(attribute);
   std::string text = root.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
@@ -112,6 +119,14 @@ FileDescription parse_description(const std::string& text, const std::string& pa
         root.value("view", "") == to_string(ViewTransform::filmic) ? ViewTransform::filmic : ViewTransform::standard;
     description.tolerance = root.at("tolerance").get<double>();
     description.mark = root.at("mark").get<std::string>();
+    description.objects = root.contains("objects");
+    if (description.objects) {
+      for (const json& object : root.at("objects"))
+        frame.objects.push_back({object.at("name").get<std::string>(), object.at("material").get<uint32_t>()});
+      frame.materials = root.at("materials").get<std::vector<std::string>>();
+    }
+    description.geometry_bytes = root.value("geometry_bytes", uint64_t{0});
+    if (description.geometry_bytes > kMostGeometryBytes) throw refuse("geometry");
     for (const auto& [name, value] : root.at("attributes").items()) {
       Attribute attribute{name, {}};
       if (!parse_attribute(value, attribute)) throw refuse("attribute");

@@ -52,19 +52,25 @@ void put_head(std::span<uint8_t> out, const ChunkHead& head) {
   put(out, 32, head.deviation.integral);
   put(out, 36, head.deviation.rounding);
   put(out, 40, head.deviation.clamped);
+  put(out, 44, head.objects);
+  put(out, 48, head.depth_pieces);
 }
 
 bool parse_shared(std::span<const uint8_t> bytes, const TileGrid& grid, ChunkHead& out) {
   const auto plane = get<uint16_t>(bytes, 8);
-  if (plane != static_cast<uint16_t>(TimePlane::colour) && plane != static_cast<uint16_t>(TimePlane::exact_colour))
+  if (plane < static_cast<uint16_t>(TimePlane::colour) || plane > static_cast<uint16_t>(TimePlane::geometry))
     return false;
   out.plane = static_cast<TimePlane>(plane);
   out.tile = get<uint32_t>(bytes, 12);
   out.pieces = get<uint32_t>(bytes, 20);
   out.packed_bytes = get<uint64_t>(bytes, 24);
   out.deviation = {get<float>(bytes, 32), get<float>(bytes, 36), get<uint32_t>(bytes, 40)};
-  if (get<uint16_t>(bytes, 10) != kZstd || out.tile >= grid.count() || get<uint32_t>(bytes, 16) != 0) return false;
-  const uint64_t raw = raw_tile_bytes(grid.pixel_count(out.tile), out.pieces, out.plane);
+  out.objects = get<uint32_t>(bytes, 44);
+  out.depth_pieces = get<uint32_t>(bytes, 48);
+  if (!holds_objects(out.plane) && (out.objects != 0 || out.depth_pieces != 0)) return false;
+  const uint64_t tiles = out.plane == TimePlane::geometry ? slices_of(kMostGeometryBytes) : grid.count();
+  if (get<uint16_t>(bytes, 10) != kZstd || out.tile >= tiles || get<uint32_t>(bytes, 16) != 0) return false;
+  const uint64_t raw = raw_tile_bytes(counts_of(out, grid), out.plane);
   return raw <= kMostTileBytes && out.packed_bytes <= 2 * kMostTileBytes &&
          raw <= kMostRatio * out.packed_bytes + kMostRatio && std::isfinite(out.deviation.integral) &&
          std::isfinite(out.deviation.rounding);
@@ -105,15 +111,49 @@ bool head_is_sound(std::span<const uint8_t, kFileHeadBytes> bytes, const std::st
   return get<uint32_t>(all, kHeadChecksum) == checksum_around(all, kHeadChecksum);
 }
 
-std::vector<uint8_t> chunk_bytes(const TimeTile& tile, uint32_t number, std::span<const uint8_t> packed) {
+namespace {
+
+std::vector<uint8_t> chunk_bytes(const ChunkHead& of, std::span<const uint8_t> packed) {
   std::vector<uint8_t> bytes(aligned(kChunkHeadBytes + packed.size()));
   std::copy(kChunkMagic.begin(), kChunkMagic.end(), bytes.begin());
-  put_head(bytes, {tile.exact() ? TimePlane::exact_colour : TimePlane::colour, number,
-                   static_cast<uint32_t>(tile.pieces()), packed.size(), tile.deviation, 0});
+  put_head(bytes, of);
   std::copy(packed.begin(), packed.end(), bytes.begin() + kChunkHeadBytes);
   const std::span<const uint8_t, kChunkHeadBytes> head = std::span(bytes).first<kChunkHeadBytes>();
   put(std::span(bytes), kChunkChecksum, chunk_checksum(head, packed));
   return bytes;
+}
+
+}  // namespace
+
+std::vector<uint8_t> chunk_bytes(const TimeTile& tile, uint32_t number, std::span<const uint8_t> packed) {
+  ChunkHead head;
+  head.plane = tile.exact() ? TimePlane::exact_colour : TimePlane::colour;
+  head.tile = number;
+  head.pieces = static_cast<uint32_t>(tile.pieces());
+  head.packed_bytes = packed.size();
+  head.deviation = tile.deviation;
+  return chunk_bytes(head, packed);
+}
+
+std::vector<uint8_t> slice_chunk_bytes(uint64_t bytes, uint32_t number, std::span<const uint8_t> packed) {
+  ChunkHead head;
+  head.plane = TimePlane::geometry;
+  head.tile = number;
+  head.pieces = static_cast<uint32_t>(bytes);
+  head.packed_bytes = packed.size();
+  return chunk_bytes(head, packed);
+}
+
+std::vector<uint8_t> chunk_bytes(const ObjectTile& tile, bool exact, uint32_t number, std::span<const uint8_t> packed) {
+  ChunkHead head;
+  head.plane = exact ? TimePlane::exact_objects : TimePlane::objects;
+  head.tile = number;
+  head.pieces = static_cast<uint32_t>(tile.signals.pieces());
+  head.objects = static_cast<uint32_t>(tile.mesh.size());
+  head.depth_pieces = static_cast<uint32_t>(tile.depth.begin.size());
+  head.packed_bytes = packed.size();
+  head.deviation = tile.signals.deviation;
+  return chunk_bytes(head, packed);
 }
 
 bool parse_chunk_head(std::span<const uint8_t, kChunkHeadBytes> bytes, const TileGrid& grid, ChunkHead& out) {

@@ -6,13 +6,13 @@
 
 namespace kairos {
 
-void write_time_file(const std::string& path, const std::string& text, std::span<const ChunkHead> tiles,
-                     const std::function<void(size_t tile, std::span<uint8_t> bytes)>& read) {
+void write_time_file(const std::string& path, const std::string& text, std::span<const ChunkHead> chunks,
+                     const std::function<void(size_t chunk, std::span<uint8_t> bytes)>& read) {
   uint64_t offset = kFileHeadBytes + text.size();
   std::vector<IndexEntry> index;
-  for (const ChunkHead& tile : tiles) {
-    index.push_back({tile, offset});
-    offset += aligned(kChunkHeadBytes + tile.packed_bytes);
+  for (const ChunkHead& chunk : chunks) {
+    index.push_back({chunk, offset});
+    offset += aligned(kChunkHeadBytes + chunk.packed_bytes);
   }
   FileHead head;
   head.index_offset = offset;
@@ -22,8 +22,8 @@ void write_time_file(const std::string& path, const std::string& text, std::span
   const auto write = [&](const std::vector<uint8_t>& bytes) { out.write(bytes.data(), bytes.size()); };
   write(head_bytes(head, text));
   std::vector<uint8_t> bytes;
-  for (size_t i = 0; i < tiles.size(); ++i) {
-    bytes.resize(aligned(kChunkHeadBytes + tiles[i].packed_bytes));
+  for (size_t i = 0; i < chunks.size(); ++i) {
+    bytes.resize(aligned(kChunkHeadBytes + chunks[i].packed_bytes));
     read(i, bytes);
     write(bytes);
   }

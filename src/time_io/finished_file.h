@@ -9,9 +9,9 @@
 
 namespace kairos {
 
-/// Writes `path` whole or not at all. text: of the description. tiles: all of the picture's, in order. read(i, bytes)
-/// fills in the whole chunk of tiles[i], and is called for one after the other. Throws Error(io), and what `read` does.
-void write_time_file(const std::string& path, const std::string& text, std::span<const ChunkHead> tiles,
-                     const std::function<void(size_t tile, std::span<uint8_t> bytes)>& read);
+/// Writes `path` whole or not at all. text: of the description. chunks: all of them, in order. read(i, bytes)
+/// fills in all of chunks[i], and is called for one after the other. Throws Error(io), and what `read` does.
+void write_time_file(const std::string& path, const std::string& text, std::span<const ChunkHead> chunks,
+                     const std::function<void(size_t chunk, std::span<uint8_t> bytes)>& read);
 
 }  // namespace kairos

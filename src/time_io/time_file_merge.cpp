@@ -1,5 +1,7 @@
 #include <cerrno>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -50,15 +52,16 @@ class PartFile {
 
 void merge_time_files(const std::vector<std::string>& parts, const std::string& path) {
   struct Place {
+    ChunkHead head;
     size_t part = 0;
-    uint64_t offset = 0;  // 0: nowhere yet
+    uint64_t offset = 0;
   };
   if (parts.empty()) throw Error(ErrorCode::bad_usage, path, "is to be made of no parts");
   const std::string text = PartFile(parts.front()).text();
-  const TimeFrame frame = parse_description(text, parts.front()).frame;
+  const FileDescription description = parse_description(text, parts.front());
+  const TimeFrame& frame = description.frame;
   const TileGrid grid{frame.width, frame.height};
-  std::vector<Place> places(grid.count());
-  std::vector<ChunkHead> tiles(grid.count());
+  std::map<std::pair<TimePlane, uint32_t>, Place> places;
   for (size_t part = 0; part < parts.size(); ++part) {
     const PartFile file(parts[part]);
     if (file.text() != text)
@@ -66,27 +69,34 @@ void merge_time_files(const std::vector<std::string>& parts, const std::string& 
                   "is part of another rendering than " + parts.front() +
                       ": scene files, options, kairos or instruction sets were others; remove those that are wrong");
     for (const IndexEntry& entry : scan_chunks(file.descriptor(), kFileHeadBytes + text.size(), grid)) {
-      Place& place = places[entry.head.tile];
-      if (place.offset != 0)
+      const auto [known, is_new] =
+          places.insert({{entry.head.plane, entry.head.tile}, {entry.head, part, entry.offset}});
+      if (!is_new && entry.head.plane != TimePlane::geometry)  // which is in every part
         throw Error(ErrorCode::bad_input, parts[part],
-                    "has pixels that " + parts[place.part] + " has, too; remove one of them");
-      place = {part, entry.offset};
-      tiles[entry.head.tile] = entry.head;
+                    "has pixels that " + parts[known->second.part] + " has, too; remove one of them");
     }
   }
-  for (size_t i = 0; i < tiles.size(); ++i) {
-    if (places[i].offset != 0) continue;
-    const Crop hole = grid.pixels(i);
-    throw Error(ErrorCode::bad_input, path,
-                "no part holds the pixels " + std::to_string(hole.x0) + " to " + std::to_string(hole.x1 - 1) +
-                    " of rows " + std::to_string(hole.y0) + " to " + std::to_string(hole.y1 - 1) +
-                    ": remove what is damaged or cut off, and render it again");
+  for (const TimePlane plane : planes_of(description))
+    for (uint32_t i = 0; i < grid.count(); ++i) {
+      if (places.contains({plane, i})) continue;
+      const Crop hole = grid.pixels(i);
+      throw Error(ErrorCode::bad_input, path,
+                  "no part holds the pixels " + std::to_string(hole.x0) + " to " + std::to_string(hole.x1 - 1) +
+                      " of rows " + std::to_string(hole.y0) + " to " + std::to_string(hole.y1 - 1) +
+                      ": remove what is damaged or cut off, and render it again");
+    }
+  std::vector<Place> in_order;
+  std::vector<ChunkHead> chunks;
+  for (const auto& [key, place] : places) {
+    in_order.push_back(place);
+    chunks.push_back(place.head);
   }
   std::optional<PartFile> open;  // one at a time, however many there are
   size_t opened = 0;
-  write_time_file(path, text, tiles, [&](size_t tile, std::span<uint8_t> bytes) {
-    if (!open || opened != places[tile].part) open.emplace(parts[opened = places[tile].part]);
-    if (!read_at(open->descriptor(), places[tile].offset, bytes))
+  write_time_file(path, text, chunks, [&](size_t chunk, std::span<uint8_t> bytes) {
+    const Place& place = in_order[chunk];
+    if (!open || opened != place.part) open.emplace(parts[opened = place.part]);
+    if (!read_at(open->descriptor(), place.offset, bytes))
       throw Error(ErrorCode::io, open->path(), "cannot be read, or has become shorter");
   });
 }

@@ -1,5 +1,8 @@
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <set>
+#include <type_traits>
 #include <utility>
 
 #include <fcntl.h>
@@ -9,82 +12,16 @@
 #include <kairos/error.h>
 #include <kairos/time_file.h>
 
+#include "scene/cut_shot.h"
 #include "time_io/chunk_scan.h"
 #include "time_io/file_layout.h"
+#include "time_io/shot_bytes.h"
 
 namespace kairos {
 
 namespace {
 
 constexpr size_t kMostKeptBytes = size_t{4} << 30;  // of tiles, unpacked
-
-/// Tiles of a file, read when they are first needed.
-class FileTiles : public TimeTiles {
- public:
-  FileTiles(int file, std::string path, TileGrid grid, double tolerance, std::span<const IndexEntry> entries)
-      : file_(file), path_(std::move(path)), grid_(grid), entries_(grid.count()), tiles_(grid.count()) {
-    quality_.tolerance = tolerance;
-    quality_.missing = static_cast<uint64_t>(grid.width) * static_cast<uint64_t>(grid.height);
-    for (const IndexEntry& entry : entries) {
-      entries_[entry.head.tile] = entry;
-      TimeTile counted;  // without the pieces themselves
-      counted.deviation = entry.head.deviation;
-      add_to(quality_, counted);
-      quality_.pieces += entry.head.pieces;
-      quality_.missing -= grid.pixel_count(entry.head.tile);
-    }
-  }
-  ~FileTiles() override { close(file_); }
-  FileTiles(const FileTiles&) = delete;
-  FileTiles& operator=(const FileTiles&) = delete;
-
-  TimeQuality quality() override { return quality_; }
-
-  std::shared_ptr<const TimeTile> tile(size_t number) override {
-    if (entries_[number].offset == 0) return nullptr;
-    std::unique_ptr<TilePacker> packer;
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      if (tiles_[number] != nullptr) return tiles_[number];
-      if (!packers_.empty()) {
-        packer = std::move(packers_.back());
-        packers_.pop_back();
-      }
-    }
-    if (packer == nullptr) packer = std::make_unique<TilePacker>();
-    auto tile = std::make_shared<const TimeTile>(read(number, *packer));
-    const std::lock_guard<std::mutex> lock(mutex_);
-    packers_.push_back(std::move(packer));
-    if (kept_ + tile->memory_bytes() <= kMostKeptBytes && tiles_[number] == nullptr) {
-      kept_ += tile->memory_bytes();
-      tiles_[number] = tile;
-    }
-    return tile;
-  }
-
-  TimeTile read(size_t number, TilePacker& packer) const {
-    const IndexEntry& entry = entries_[number];
-    const std::string place = path_ + ", tile " + std::to_string(number);
-    std::vector<uint8_t> packed;
-    if (!read_chunk(file_, entry, grid_, packed))
-      throw Error(ErrorCode::bad_input, place,
-                  "is damaged: these are not the bytes that were written; render it again");
-    TimeTile tile = packer.unpack(packed, grid_.pixel_count(number), entry.head.pieces, entry.head.plane, place);
-    tile.deviation = entry.head.deviation;
-    return tile;
-  }
-
- private:
-  int file_;
-  std::string path_;
-  TileGrid grid_;
-  std::vector<IndexEntry> entries_;  // [tile]; offset 0: not there
-  TimeQuality quality_;
-  std::mutex mutex_;  // of what follows
-  std::vector<std::shared_ptr<const TimeTile>> tiles_;
-  std::vector<std::unique_ptr<TilePacker>> packers_;
-  size_t kept_ = 0;  // bytes
-};
 
 /// Closes a file that nobody has taken over.
 struct Descriptor {
@@ -96,6 +33,138 @@ struct Descriptor {
 };
 
 }  // namespace
+
+/// Tiles of a file, read when they are first needed.
+class TimeFile::Tiles : public TimeTiles {
+ public:
+  Tiles(int file, std::string path, TileGrid grid, const FileDescription& description,
+        std::span<const IndexEntry> entries)
+      : file_(file),
+        path_(std::move(path)),
+        grid_(grid),
+        meshes_(description.frame.objects.size()),
+        has_objects_(description.objects),
+        geometry_bytes_(description.geometry_bytes),
+        entries_(grid.count()),
+        object_entries_(grid.count()),
+        tiles_(grid.count()) {
+    quality_.tolerance = description.tolerance;
+    quality_.missing = static_cast<uint64_t>(grid.width) * static_cast<uint64_t>(grid.height);
+    for (const IndexEntry& entry : entries) {
+      if (entry.head.plane == TimePlane::geometry) {
+        slices_.resize(std::max<size_t>(slices_.size(), entry.head.tile + 1));
+        slices_[entry.head.tile] = entry;
+        continue;
+      }
+      if (holds_objects(entry.head.plane)) {
+        object_entries_[entry.head.tile] = entry;
+        continue;
+      }
+      entries_[entry.head.tile] = entry;
+      TimeTile counted;  // without the pieces themselves
+      counted.deviation = entry.head.deviation;
+      add_to(quality_, counted);
+      quality_.pieces += entry.head.pieces;
+      quality_.missing -= grid.pixel_count(entry.head.tile);
+    }
+  }
+  ~Tiles() override { close(file_); }
+  Tiles(const Tiles&) = delete;
+  Tiles& operator=(const Tiles&) = delete;
+
+  TimeQuality quality() override { return quality_; }
+
+  std::shared_ptr<const TimeTile> tile(size_t number) override {
+    if (entries_[number].offset == 0) return nullptr;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (tiles_[number] != nullptr) return tiles_[number];
+    }
+    auto tile = std::make_shared<const TimeTile>(with_packer([&](TilePacker& packer) { return read(number, packer); }));
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (kept_ + tile->memory_bytes() <= kMostKeptBytes && tiles_[number] == nullptr) {
+      kept_ += tile->memory_bytes();
+      tiles_[number] = tile;
+    }
+    return tile;
+  }
+
+  bool has_objects() const override { return has_objects_; }
+  bool has_geometry() const { return geometry_bytes_ > 0; }
+
+  std::vector<uint8_t> geometry() {
+    std::vector<uint8_t> bytes;
+    for (const IndexEntry& entry : slices_)
+      if (entry.offset != 0) {
+        TilePacker packer;
+        const auto slice = packer.unpack_slice(packed_bytes(entry), entry.head.pieces, place_of(entry));
+        bytes.insert(bytes.end(), slice.begin(), slice.end());
+      }
+    if (bytes.size() != geometry_bytes_)
+      throw Error(ErrorCode::bad_input, path_, "lacks some of its geometry; render it again");
+    return bytes;
+  }
+
+  /// Read anew each time: few exposures ask for them, and they take much memory.
+  std::shared_ptr<const ObjectTile> objects(size_t number) override {
+    const IndexEntry& entry = object_entries_[number];
+    if (entry.offset == 0) return nullptr;
+    return std::make_shared<const ObjectTile>(with_packer([&](TilePacker& packer) {
+      return packer.unpack_objects(packed_bytes(entry), counts_of(entry.head, grid_), entry.head.plane, meshes_,
+                                   place_of(entry));
+    }));
+  }
+
+ private:
+  TimeTile read(size_t number, TilePacker& packer) const {
+    const IndexEntry& entry = entries_[number];
+    TimeTile tile = packer.unpack(packed_bytes(entry), counts_of(entry.head, grid_), entry.head.plane, place_of(entry));
+    tile.deviation = entry.head.deviation;
+    return tile;
+  }
+
+  std::string place_of(const IndexEntry& entry) const { return path_ + ", tile " + std::to_string(entry.head.tile); }
+
+  std::vector<uint8_t> packed_bytes(const IndexEntry& entry) const {
+    std::vector<uint8_t> packed;
+    if (!read_chunk(file_, entry, grid_, packed))
+      throw Error(ErrorCode::bad_input, place_of(entry),
+                  "is damaged: these are not the bytes that were written; render it again");
+    return packed;
+  }
+
+  /// use(packer): one that no other thread has.
+  template <class Use>
+  std::invoke_result_t<const Use&, TilePacker&> with_packer(const Use& use) {
+    std::unique_ptr<TilePacker> packer;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (!packers_.empty()) {
+        packer = std::move(packers_.back());
+        packers_.pop_back();
+      }
+    }
+    if (packer == nullptr) packer = std::make_unique<TilePacker>();
+    auto used = use(*packer);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    packers_.push_back(std::move(packer));
+    return used;
+  }
+
+  int file_;
+  std::string path_;
+  TileGrid grid_;
+  size_t meshes_;
+  bool has_objects_;
+  uint64_t geometry_bytes_;
+  std::vector<IndexEntry> entries_, object_entries_;  // [tile]; offset 0: not there
+  std::vector<IndexEntry> slices_;                    // of geometry; the same
+  TimeQuality quality_;
+  std::mutex mutex_;  // of what follows
+  std::vector<std::shared_ptr<const TimeTile>> tiles_;
+  std::vector<std::unique_ptr<TilePacker>> packers_;
+  size_t kept_ = 0;  // bytes
+};
 
 TimeFile TimeFile::open(const std::string& path) {
   const auto damaged = [&](const char* what) { return Error(ErrorCode::bad_input, path, what); };
@@ -134,16 +203,38 @@ TimeFile TimeFile::open(const std::string& path) {
   } else {
     entries = scan_chunks(file.file, kFileHeadBytes + text.size(), grid);
   }
-  const TimePlane plane = description.tolerance == 0 ? TimePlane::exact_colour : TimePlane::colour;
-  std::vector<bool> known(grid.count());
-  for (const IndexEntry& entry : entries) {
-    if (known[entry.head.tile] || entry.head.plane != plane) throw damaged("has tiles that do not belong together");
-    known[entry.head.tile] = true;
+  std::set<std::pair<TimePlane, uint32_t>> known;
+  for (const IndexEntry& entry : entries)
+    if ((entry.head.plane == TimePlane::geometry ? entry.head.tile >= slices_of(description.geometry_bytes)
+                                                 : is_exact(entry.head.plane) != (description.tolerance == 0)) ||
+        (holds_objects(entry.head.plane) && !description.objects) ||
+        !known.insert({entry.head.plane, entry.head.tile}).second)
+      throw damaged("has tiles that do not belong together");
+  if (head.finished() &&
+      entries.size() != grid.count() * planes_of(description).size() + slices_of(description.geometry_bytes))
+    throw damaged("lacks tiles; render it again");
+  for (uint32_t tile = 0; tile < grid.count(); ++tile) {
+    const auto planes = planes_of(description);
+    info.tiles_there += std::all_of(planes.begin(), planes.end(), [&](TimePlane plane) {
+      return known.contains({plane, tile});
+    });
   }
-  if (head.finished() && entries.size() != grid.count()) throw damaged("lacks tiles; render it again");
-  info.tiles_there = entries.size();
-  auto tiles = std::make_shared<FileTiles>(file.release(), path, grid, description.tolerance, entries);
-  return {info, TimePicture(std::move(description.frame), std::move(tiles)), path};
+  auto tiles = std::make_shared<Tiles>(file.release(), path, grid, description, entries);
+  return {info, TimePicture(std::move(description.frame), tiles), tiles, path};
+}
+
+bool TimeFile::has_geometry() const { return tiles_->has_geometry(); }
+
+Shot TimeFile::shot(double from, double to) const {
+  const TimeFrame& frame = picture_.frame();
+  if (!has_geometry()) throw Error(ErrorCode::bad_usage, path_, "holds no geometry");
+  if (!(frame.open <= from && from < to && to <= frame.close))
+    throw Error(ErrorCode::bad_usage, path_, "does not hold these times, or they are not in order");
+  const auto time = [&](double scene_time) { return (scene_time - frame.open) / (frame.close - frame.open); };
+  Shot cut = cut_shot(parse_shot(tiles_->geometry(), frame.open, frame.close, path_), time(from), time(to));
+  cut.shutter_open = from;
+  cut.shutter_close = to;
+  return cut;
 }
 
 void TimeFile::check() const {
@@ -151,6 +242,8 @@ void TimeFile::check() const {
   const TimeFrame& frame = picture_.frame();
   for (int y = 0; y < frame.height; y += kTimeTileSide)
     for (int x = 0; x < frame.width; x += kTimeTileSide) picture_.signal(frame.left + x, frame.top + y);
+  if (picture_.has_objects()) picture_.objects_at(0);
+  if (has_geometry()) parse_shot(tiles_->geometry(), frame.open, frame.close, path_);
 }
 
 }  // namespace kairos

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
 #include <map>
@@ -14,6 +15,7 @@
 #include "time_io/chunk_scan.h"
 #include "time_io/file_layout.h"
 #include "time_io/finished_file.h"
+#include "time_io/shot_bytes.h"
 
 namespace kairos {
 
@@ -68,18 +70,20 @@ class GrowingFile {
 
 class TimeFileWriter::File {
  public:
-  File(const std::string& path, FileDescription description, TileGrid grid)
+  File(const std::string& path, FileDescription description, TileGrid grid, std::span<const uint8_t> geometry)
       : path_(path),
         part_path_(path + ".part"),
         text_(description_text(description)),
         grid_(grid),
-        maker_(grid, description.frame.left, description.frame.top, description.tolerance),
+        exact_(description.tolerance == 0),
+        maker_(grid, description.frame.left, description.frame.top, description.tolerance, description.objects),
         left_(description.frame.left),
         top_(description.frame.top),
         part_((check_writable(path), part_path_)) {
     there_.resize(grid.count());
     begin();
-    before_ = entries_.size();
+    add_slices(geometry);
+    before_ = static_cast<size_t>(std::count(there_.begin(), there_.end(), true));
   }
 
   size_t tiles() const { return grid_.count(); }
@@ -92,24 +96,27 @@ class TimeFileWriter::File {
     const auto tile = maker_.add(record, number);
     if (!tile) return;
     std::unique_ptr<TilePacker> packer = take_packer();
-    const auto packed = packer->pack(*tile);
-    const std::vector<uint8_t> bytes = chunk_bytes(*tile, static_cast<uint32_t>(number), packed);
-    IndexEntry entry;
-    parse_chunk_head(std::span(bytes).first<kChunkHeadBytes>(), grid_, entry.head);
+    const auto tile_number = static_cast<uint32_t>(number);
+    std::vector<std::vector<uint8_t>> chunks{chunk_bytes(tile->signals, tile_number, packer->pack(tile->signals))};
+    if (maker_.keeps_objects())
+      chunks.push_back(chunk_bytes(tile->objects, exact_, tile_number, packer->pack(tile->objects)));
     const std::lock_guard<std::mutex> lock(mutex_);
-    entry.offset = part_.append(bytes);
-    entries_.emplace(number, entry);
+    for (const std::vector<uint8_t>& bytes : chunks) append_chunk(bytes);
     packers_.push_back(std::move(packer));
   }
 
   /// Copies the tiles in order into the file itself.
   void finish() {
-    if (entries_.size() != tiles())
+    if (entries_.size() != tiles() * planes() + slices_)
       throw Error(ErrorCode::bad_usage, part_path_, "is not finished: pixels of the picture were not rendered");
-    std::vector<ChunkHead> tiles;
-    for (const auto& [number, entry] : entries_) tiles.push_back(entry.head);
-    write_time_file(path_, text_, tiles, [this](size_t tile, std::span<uint8_t> bytes) {
-      if (!read_at(part_.descriptor(), entries_.at(tile).offset, bytes)) fail(part_path_, "cannot be read");
+    std::vector<ChunkHead> chunks;
+    std::vector<uint64_t> offsets;
+    for (const auto& [key, entry] : entries_) {
+      chunks.push_back(entry.head);
+      offsets.push_back(entry.offset);
+    }
+    write_time_file(path_, text_, chunks, [&](size_t chunk, std::span<uint8_t> bytes) {
+      if (!read_at(part_.descriptor(), offsets[chunk], bytes)) fail(part_path_, "cannot be read");
     });
     std::error_code ec;
     std::filesystem::remove(part_path_, ec);
@@ -138,12 +145,36 @@ class TimeFileWriter::File {
                   "another name");
     uint64_t end = head.size();
     for (const IndexEntry& entry : scan_chunks(part_.descriptor(), head.size(), grid_)) {
-      entries_.emplace(entry.head.tile, entry);
-      there_[entry.head.tile] = true;
+      add_entry(entry);
       end = entry.offset + aligned(kChunkHeadBytes + entry.head.packed_bytes);
     }
     part_.go_on_at(end);
+    std::vector<size_t> planes_there(grid_.count());
+    for (const auto& [key, entry] : entries_)
+      if (entry.head.plane != TimePlane::geometry) ++planes_there[entry.head.tile];
+    for (size_t tile = 0; tile < grid_.count(); ++tile) there_[tile] = planes_there[tile] == planes();
   }
+
+  void append_chunk(const std::vector<uint8_t>& bytes) {
+    IndexEntry entry;
+    parse_chunk_head(std::span(bytes).first<kChunkHeadBytes>(), grid_, entry.head);
+    entry.offset = part_.append(bytes);
+    add_entry(entry);
+  }
+  /// Those that are not there yet.
+  void add_slices(std::span<const uint8_t> geometry) {
+    slices_ = slices_of(geometry.size());
+    TilePacker packer;
+    for (uint32_t i = 0; i < slices_; ++i) {
+      if (entries_.contains({TimePlane::geometry, i})) continue;
+      const auto slice = geometry.subspan(i * kSliceBytes, std::min(kSliceBytes, geometry.size() - i * kSliceBytes));
+      append_chunk(slice_chunk_bytes(slice.size(), i, packer.pack(slice)));
+    }
+  }
+
+  size_t planes() const { return maker_.keeps_objects() ? 2 : 1; }
+  /// Of a tile of which some planes are there, and which is made once more, the first ones stay.
+  void add_entry(const IndexEntry& entry) { entries_.emplace(std::pair(entry.head.plane, entry.head.tile), entry); }
 
   std::unique_ptr<TilePacker> take_packer() {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -155,13 +186,14 @@ class TimeFileWriter::File {
 
   std::string path_, part_path_, text_;
   TileGrid grid_;
+  bool exact_;
   TileMaker maker_;
   int left_, top_;
   GrowingFile part_;
   std::vector<bool> there_;  // [tile]: from before
-  size_t before_ = 0;
-  std::mutex mutex_;                      // of what follows, and of the part
-  std::map<size_t, IndexEntry> entries_;  // [tile]: in the part
+  size_t before_ = 0, slices_ = 0;
+  std::mutex mutex_;                                              // of what follows, and of the part
+  std::map<std::pair<TimePlane, uint32_t>, IndexEntry> entries_;  // of tiles in the part
   std::vector<std::unique_ptr<TilePacker>> packers_;
 };
 
@@ -171,9 +203,15 @@ TimeFileWriter::TimeFileWriter(const std::string& path, const Shot& shot, const 
                                const TimeFileOptions& options)
     : needs_(time_needs(params)) {
   check_tolerance(options.tolerance);
-  TimeFrame frame = time_frame(shot, params, options.clock);
+  TimeFrame frame = time_frame(shot, params, options.clock, options.objects);
   const TileGrid grid{frame.width, frame.height};
-  file_ = std::make_unique<File>(path, FileDescription{std::move(frame), options.tolerance, options.mark}, grid);
+  const std::vector<uint8_t> geometry = options.geometry ? shot_bytes(shot) : std::vector<uint8_t>();
+  if (geometry.size() > kMostGeometryBytes)
+    throw Error(ErrorCode::bad_usage, path,
+                "would hold more than 8 GiB of geometry; leave it out of --time-planes, and take kairos flow SCENE");
+  file_ = std::make_unique<File>(
+      path, FileDescription{std::move(frame), options.tolerance, options.objects, geometry.size(), options.mark}, grid,
+      geometry);
 }
 TimeFileWriter::~TimeFileWriter() = default;
 

@@ -1,11 +1,15 @@
 // kairos render --time; expose, convert, check and info of what it writes.
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdio>
 #include <cstring>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include <kairos/deep_image.h>
 #include <kairos/image.h>
 
 #include "cli.h"
@@ -97,6 +101,50 @@ TEST_F(CliTime, APartOfTheTimeIsARenderingOfIt) {
   }
 }
 
+// Layers that are made of a file are those of a rendering, and deep samples are what other programs make the exposure
+// of.
+TEST_F(CliTime, LayersAndDeepSamplesOfObjects) {
+  const std::string render = std::string(kRender) + "--shutter 0,10 --time-tolerance exact ";
+  ok(render + "-o beside.exr --aov depth,mesh,coverage --time all.ktime --time-planes objects");
+  ok("expose all.ktime --quiet -o all.exr --aov depth,mesh,coverage --cryptomatte object,material");
+  const Image beside = image("beside.exr"), exposed = image("all.exr");
+  for (const char* name : {"depth.Z", "mesh.id", "coverage.A"}) {
+    const std::vector<float>&x = beside.find(name)->values, &y = exposed.find(name)->values;
+    for (size_t i = 0; i < x.size(); ++i)
+      ASSERT_TRUE(x[i] == y[i] || std::abs(x[i] - y[i]) < 1e-5f) << name << " " << i;
+  }
+  // Names cover what anything covers.
+  for (const std::string matte : {"CryptoObject00", "CryptoMaterial00"})
+    for (size_t i = 0; i < exposed.find("coverage.A")->values.size(); ++i)
+      ASSERT_NEAR(exposed.find(matte + ".g")->values[i] + exposed.find(matte + ".a")->values[i],
+                  exposed.find("coverage.A")->values[i], 1e-6);
+
+  EXPECT_THAT(refusal("expose all.ktime --quiet -o deep.png --deep object", 2), HasSubstr("EXR"));
+  ok(std::string(kRender) + "--shutter 0,10 --time colours.ktime");
+  EXPECT_THAT(refusal("expose colours.ktime --quiet -o a.exr --aov depth", 1), HasSubstr("--time-planes objects"));
+
+  if (std::system("oiiotool --help > /dev/null 2>&1") != 0) GTEST_SKIP() << "needs oiiotool";
+  ok("expose all.ktime --quiet -o flat.exr --shutter 3f@2f");
+  ok("expose all.ktime --quiet -o deep.exr --shutter 3f@2f --deep object");
+  const auto oiiotool = [&](const std::string& arguments) {
+    return std::system(("cd '" + path("") + "' && oiiotool " + arguments + " > /dev/null 2>&1").c_str());
+  };
+  ASSERT_EQ(oiiotool("deep.exr --flatten --ch R,G,B -o flattened.exr"), 0);
+  EXPECT_LT(difference("flat.exr", "flattened.exr"), 1e-5);
+  // What is merged with something far behind is tidied first, which merges samples at one distance by other rules.
+  DeepImage far;
+  far.image = image("flat.exr");
+  const size_t pixels = far.image.channels[0].values.size();
+  far.image.channels.clear();
+  for (const char* name : {"R", "G", "B", "A", "Z", "id"})
+    far.image.channels.push_back({name, name == std::string("id") ? Channel::Storage::integer : Channel::Storage::exact,
+                                  std::vector<float>(pixels, name == std::string("Z") ? 1e11f : 1)});
+  for (size_t i = 0; i <= pixels; ++i) far.first.push_back(i);
+  write_deep_image(far, path("far.exr"));
+  ASSERT_EQ(oiiotool("deep.exr far.exr --deepmerge --flatten --ch R,G,B -o merged.exr"), 0);
+  EXPECT_LT(difference("flat.exr", "merged.exr"), 1e-5);
+}
+
 TEST_F(CliTime, FramesStacksAndInstants) {
   ok(std::string(kRender) + "--shutter 0,10 --time all.ktime --time-tolerance exact");
   ok("expose all.ktime --quiet -o frame_%02d.exr --frames 3-5 --fps 20 --shutter 1");
@@ -180,7 +228,7 @@ TEST_F(CliTime, ArraysOfNumpyExposeAsTheFileDoes) {
     }
   }
   EXPECT_LT(most, 1e-5);
-  EXPECT_THAT(refusal("convert all.ktime -o all.exr", 2), HasSubstr(".npz"));
+  EXPECT_THAT(refusal("convert all.ktime -o all.png", 2), HasSubstr(".npz"));
   EXPECT_THAT(refusal("convert scene.json -o bad.npz", 1), HasSubstr("scene.json"));
   EXPECT_FALSE(exists("bad.npz"));
 }
@@ -222,6 +270,39 @@ TEST_F(CliTime, WritesAPage) {
 }
 
 // The bar of the scene flies to the right; what is said of the commands' files is tested with the library.
+// Two keys are the same straight lines in a file.
+TEST_F(CliTime, FlowOfAFileIsThatOfItsScene) {
+  ok(std::string(kRender) + "--shutter 0,10 --time all.ktime --time-planes geometry");
+  ok("flow all.ktime --quiet --from 2f --to 9f -o file.exr --occlusion file.png");
+  ok("flow scene.json --fps 10 --quiet --from 2f --to 9f -o scene.exr --occlusion scene.png");
+  const auto same = [&](const std::string& a, const char* x, const std::string& b, const char* y) {
+    const Image first = image(a), second = image(b);
+    double moved = 0;
+    for (size_t i = 0; i < first.find(x)->values.size(); ++i) {
+      const float value = first.find(x)->values[i];
+      ASSERT_TRUE(value == second.find(y)->values[i] || std::abs(value - second.find(y)->values[i]) < 1e-4f) << x << i;
+      moved = std::max(moved, std::isfinite(value) ? std::abs(static_cast<double>(value)) : 0);
+    }
+    EXPECT_GT(moved, 0.5) << x << " is not all still";
+  };
+  for (const char* name : {"flow.u", "flow.state", "depth.Z"}) same("file.exr", name, "scene.exr", name);
+  EXPECT_EQ(read(path("file.png")), read(path("scene.png")));
+
+  // From the middle of the exposure to its end, and back to its beginning.
+  ok("expose all.ktime --quiet -o motion.exr --aov motion --shutter 2,10");
+  ok("flow scene.json --fps 10 --quiet --from 6f --to 10f -o forward.exr");
+  ok("flow scene.json --fps 10 --quiet --from 6f --to 2f -o backward.exr");
+  same("motion.exr", "forward.u", "forward.exr", "flow.u");
+  same("motion.exr", "backward.u", "backward.exr", "flow.u");
+
+  EXPECT_THAT(refusal("flow all.ktime --quiet --to 11f -o no.flo", 1), HasSubstr("--shutter 0,11"));
+  EXPECT_THAT(refusal("flow all.ktime --camera 0 -o no.flo", 2), HasSubstr("--camera"));
+  EXPECT_THAT(refusal("expose all.ktime --at 1 --aov motion -o no.exr", 2), HasSubstr("kairos flow"));
+  ok(std::string(kRender) + "--shutter 0,10 --time colours.ktime");
+  EXPECT_THAT(refusal("flow colours.ktime -o no.flo", 1), HasSubstr("--time-planes geometry"));
+  EXPECT_THAT(refusal("expose colours.ktime --aov motion -o no.exr", 1), HasSubstr("--time-planes geometry"));
+}
+
 TEST_F(CliTime, WritesFlow) {
   const std::string flow = "flow scene.json --quiet --fps 10 ";
   ok(flow + "--to 1s -o forward.exr --occlusion hidden.png");
@@ -305,6 +386,59 @@ TEST_F(CliTime, MakesDataSets) {
               HasSubstr("scene.json/no"));
 }
 
+// What loaders of these read, as their programs wrote it: a camera that turns by an eighth to the left in a second and
+// moves to the right meanwhile.
+TEST_F(CliTime, DataSetsOfMovingCameras) {
+  std::string scene = read(path("scene.json"));
+  const std::string still = R"({"time": 0, "eye": [0, 0, 0], "target": [0, 0, -1], "up": [0, 1, 0]})";
+  const std::string turning = R"({"time": 0, "eye": [0, 0, 0], "target": [0, 0, -1], "up": [0, 1, 0]},)"
+                              R"({"time": 1, "eye": [0.5, 0, 0], "target": [-0.5, 0, -1], "up": [0, 1, 0]})";
+  scene.replace(scene.find(still), still.size(), turning);
+  write("turning.json", scene);
+  const std::string sampled = " --shading flat --tc-rays 4 --quiet ";
+  ok("dataset turning.json --layout 3dgs-deblur -o set --frames 0-1 --fps 1 --shutter 0,1" + sampled);
+  const json transforms = json::parse(read(path("set/turning/transforms.json")), nullptr, false);
+  EXPECT_EQ(transforms.at("exposure_time"), 1);
+  EXPECT_NEAR(transforms.at("fl_x").get<double>(), 10 / std::tan(M_PI / 6), 1e-6);
+  EXPECT_EQ(transforms.at("frames").at(0).at("camera_angular_velocity").at(1), 0) << "sharp ones are for evaluation";
+  // The same second, exposed.
+  ok("dataset turning.json --layout carla-rs -o set --frames 0-1 --fps 1 --shutter 0,0.5 --rolling top:0.5s" + sampled);
+  std::array<double, 6> v{};
+  const std::string log = read(path("set/turning/gt_vel.log"));
+  ASSERT_EQ(std::sscanf(log.c_str() + log.rfind('\n', log.size() - 2) + 1, "%lf %lf %lf %lf %lf %lf", &v[0], &v[1],
+                        &v[2], &v[3], &v[4], &v[5]),
+            6);
+  EXPECT_NEAR(v[1], -M_PI / 4, 0.03) << "about y, which points down: to the left";
+  EXPECT_NEAR(v[0], 0, 1e-6);
+  EXPECT_NEAR(std::hypot(v[3], v[5]), 0.5, 0.02);
+  EXPECT_GT(v[3], 0.4);
+  EXPECT_LT(v[5], -0.1) << "and backward, as it looks to the left in the middle of its time";
+
+  ok("dataset scene.json --layout carla-rs -o set --frames 0-1 --fps 10 --shutter 3 --rolling top:0.4s" + sampled);
+  std::istringstream depth(read(path("set/scene/0001_rs.pdepth")));
+  size_t numbers = 0, near = 0;
+  for (std::string number; depth >> number; ++numbers) {
+    const double value = std::stod(number);
+    EXPECT_TRUE(value == 2 || value == 3 || std::isinf(value)) << number;
+    near += value == 2;
+  }
+  EXPECT_EQ(numbers, size_t{32} * 20);
+  EXPECT_GT(near, 20u) << "a line a pixel or more of the bar";
+  EXPECT_LT(near, 100u) << "at an instant, not over the exposure";
+
+  ok("dataset scene.json --layout kitti -o set --sequence kitti --frames 0-2 --fps 10 --shutter 1" + sampled);
+  const std::string kitti = "set/kitti/training/";
+  EXPECT_EQ(read(path(kitti + "image_2/000000_11.png")), read(path(kitti + "image_2/000001_10.png")));
+  EXPECT_TRUE(exists(kitti + "image_2/000001_11.png"));
+  EXPECT_FALSE(exists(kitti + "image_2/000002_10.png")) << "nothing comes after it";
+  const auto valid = [&](const std::string& name) {
+    const Image flow_image = image(kitti + name);
+    const auto& values = flow_image.find("B")->values;
+    return std::count_if(values.begin(), values.end(), [](float value) { return value > 0; });
+  };
+  EXPECT_LT(valid("flow_noc/000000_10.png"), valid("flow_occ/000000_10.png")) << "the bar covers what it comes to";
+}
+
 TEST_F(CliTime, RefusesInOneLine) {
   ok(std::string(kRender) + "--shutter 0,10 --time all.ktime");
   EXPECT_THAT(refusal("expose all.ktime -o a.exr --quiet --shutter 0.9s,1.2s", 1), HasSubstr("--shutter 0,12"));
@@ -315,8 +449,9 @@ TEST_F(CliTime, RefusesInOneLine) {
   EXPECT_THAT(refusal("expose all.ktime -o a.exr --at 1 --stack 3", 2), HasSubstr("--stack"));
   EXPECT_THAT(refusal("expose all.ktime -o a.exr --stack 3", 2), HasSubstr("--output"));
   EXPECT_THAT(refusal("expose all.ktime -o a.exr --view filmic", 2), HasSubstr("is for PNG"));
-  EXPECT_THAT(refusal("expose all.ktime -o a.exr --aov depth", 2), HasSubstr("--aov"));
+  EXPECT_THAT(refusal("expose all.ktime -o a.exr --aov normal", 2), HasSubstr("--aov"));
   EXPECT_THAT(refusal(std::string(kRender), 2), HasSubstr("--output"));
+  EXPECT_THAT(refusal(std::string(kRender) + "--time a.ktime --view filmic", 2), HasSubstr("is for a picture"));
   EXPECT_THAT(refusal(std::string(kRender) + "--integrator qmc --time a.ktime", 2), HasSubstr("use the integrator tc"));
   EXPECT_THAT(refusal(std::string(kRender) + "--time a.ktime --time-tolerance 2@0", 2), HasSubstr("--time-tolerance"));
   EXPECT_THAT(refusal(std::string(kRender) + "-o a.exr --time-tolerance exact", 2), HasSubstr("--time"));

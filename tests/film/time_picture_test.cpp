@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <kairos/error.h>
+#include <kairos/object_layers.h>
 #include <kairos/picture.h>
 #include <kairos/time_picture.h>
 
@@ -18,6 +19,7 @@ namespace {
 
 using testing::HasSubstr;
 
+constexpr int kMeshes = 6;
 constexpr int kWidth = 40, kHeight = 35;  // more than a tile, and no multiple of one
 
 Shot shot_of_size(int width, int height) {
@@ -55,8 +57,10 @@ void add_parts(Random& random, RecordBuilder& out, float begin, float end, doubl
       out.add_knot(time, random.colour(brightness), {}, {});
       if (!random.chance(0.1)) time += static_cast<float>(random.real(0, end - begin + 0.02));
     }
-    const uint32_t mesh = random.chance(0.1) ? kNoMesh : static_cast<uint32_t>(random.whole(0, 5));
-    out.add_part({{begin, end, 1, 1, mesh, 0, true},
+    const uint32_t mesh = random.chance(0.1) ? kNoMesh : static_cast<uint32_t>(random.whole(0, kMeshes - 1));
+    const auto dist = [&] { return static_cast<float>(layer + (random.chance(0.3) ? 1 : random.real(1, 2))); };
+    const float dist_begin = dist(), dist_end = begin < end ? dist() : dist_begin;
+    out.add_part({{begin, end, dist_begin, dist_end, mesh, 0, true},
                   first,
                   static_cast<uint32_t>(knots),
                   static_cast<uint32_t>(layer),
@@ -191,8 +195,8 @@ TEST_F(TimePictures, CodedOnesAreOffByNoMoreThanTheBound) {
       EXPECT_LE(largest_error(picture.expose(weights_[i], with_coverage_), pictures_[i]),
                 quality.deviation * variation(weights_[i]) + quality.rounding + 4e-6)
           << "tolerance " << tolerance << ", weight " << i;
-    // Each piece keeps its mean but for how the step is rounded, so the whole shutter's time is no less exact.
-    EXPECT_LT(largest_error(picture.expose(TimeWeight(), with_coverage_), means_), 3e-4);
+    // Each piece keeps its mean but for how the step is rounded, and so does the whole shutter's time.
+    EXPECT_LT(largest_error(picture.expose(TimeWeight(), with_coverage_), means_), quality.rounding + 4e-6);
   }
 }
 
@@ -256,6 +260,89 @@ TEST_F(TimePictures, SayWhatIsSeenAtAnInstant) {
         ASSERT_NEAR(image.channels[0].values[static_cast<size_t>(y * kWidth + x)],
                     now->left[0] + (now->right[0] - now->left[0]) * place, 1e-4f);
       }
+  }
+}
+
+/// The record with one mesh white, or as it is, and all else black.
+class MatteOf {
+ public:
+  const PixelRecord& make(const PixelRecord& record, uint32_t mesh, bool white) {
+    record_ = record;
+    record_.background = {};
+    knots_.assign(record.knots.begin(), record.knots.end());
+    for (const SeenPart& part : record.parts)
+      for (uint32_t k = 0; k < part.knots; ++k)
+        if (white || part.where.mesh != mesh)
+          knots_[part.first_knot + k].colour = part.where.mesh == mesh ? Vec3f{1, 1, 1} : Vec3f{};
+    record_.knots = knots_;
+    return record_;
+  }
+
+ private:
+  PixelRecord record_;
+  std::vector<Knot> knots_;
+};
+
+// How much of a mesh is seen is what a picture of it in white on black shows, and meshes add to the picture.
+TEST_F(TimePictures, SayWhatEachMeshContributes) {
+  Random random(test::seed());
+  params_.aovs = {Aov::coverage, Aov::depth};
+  for (const double tolerance : {0.0, 0x1p-10}) {
+    const TimeWeight weight = random_weight(random);
+    TimeFilm film(shot_, params_, tolerance, {}, true);
+    Picture box(shot_.projection, params_), weighted(shot_.projection, params_, weight);
+    std::vector<Picture> mattes(kMeshes, Picture(shot_.projection, params_, weight)), colours = mattes;
+    RecordBuilder builder(false);
+    MatteOf matte;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const PixelRecord& record = random_record(random, builder, x, y);
+        film.add(record);
+        box.add(record);
+        weighted.add(record);
+        for (uint32_t mesh = 0; mesh < kMeshes; ++mesh) {
+          mattes[mesh].add(matte.make(record, mesh, true));
+          colours[mesh].add(matte.make(record, mesh, false));
+        }
+      }
+    const TimePicture picture = film.take();
+    const double bound = tolerance * variation(weight) + (tolerance > 0 ? 1e-3 : 4e-6);
+    const ExposedObjects objects = picture.objects({[&](int, int) { return weight; }});
+    std::vector<Image> coverages, contributions;
+    for (Picture& of_mesh : mattes) coverages.push_back(of_mesh.take());
+    for (Picture& of_mesh : colours) contributions.push_back(of_mesh.take());
+    for (size_t pixel = 0; pixel < size_t{kWidth} * kHeight; ++pixel)
+      for (const SeenObject& object : objects.of(pixel)) {
+        ASSERT_NEAR(object.coverage, coverages[object.mesh].channels[0].values[pixel], bound) << pixel;
+        const float green = contributions[object.mesh].channels[1].values[pixel];
+        ASSERT_NEAR(object.colour.y, green, bound * std::max(10.0f, 3 * green)) << pixel;
+      }
+
+    const Image image = weighted.take();
+    const DeepImage deep = deep_objects(image, objects, picture.frame());
+    Image all = box.take();
+    Image depths = all;
+    depths.channels.clear();
+    add_depth(depths, picture.objects({[](int, int) { return TimeWeight(); }}));
+    const std::vector<float>&depth = all.find("depth.Z")->values, &alpha = deep.image.find("A")->values,
+          &z = deep.image.find("Z")->values;
+    for (size_t pixel = 0; pixel < depth.size(); ++pixel) {
+      if (std::isfinite(depth[pixel]))
+        ASSERT_NEAR(depths.channels[0].values[pixel], depth[pixel], tolerance > 0 ? 2e-3 * depth[pixel] : 1e-6);
+      else
+        ASSERT_EQ(depths.channels[0].values[pixel], depth[pixel]);
+      for (size_t c = 0; c < 3; ++c) {
+        double sum = 0, open = 1;
+        for (size_t i = deep.first[pixel]; i < deep.first[pixel + 1]; ++i) {
+          sum += open * static_cast<double>(deep.image.channels[c].values[i]);
+          open *= 1 - static_cast<double>(alpha[i]);
+          ASSERT_TRUE(i == deep.first[pixel] || z[i] > z[i - 1]) << "coincident samples are merged by other rules";
+        }
+        const double value = static_cast<double>(image.channels[c].values[pixel]);
+        ASSERT_NEAR(sum, value, 1e-5 * std::max(1.0, std::abs(value))) << "pixel " << pixel;
+        ASSERT_NEAR(open, 0, 2e-4) << "the background is behind everything";
+      }
+    }
   }
 }
 

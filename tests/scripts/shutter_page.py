@@ -9,6 +9,7 @@ is set.
 
 import base64
 import pathlib
+import re
 import shlex
 import subprocess
 import sys
@@ -110,6 +111,11 @@ def check(browser, url, kairos, folder):
     return problems + browser.errors
 
 
+def code_of(page):
+    """All of a page but the picture that it holds."""
+    return re.sub(r'(<script type="application/json" id="data">).*?</script>', r"\1", page.read_text(), flags=re.DOTALL)
+
+
 def main():
     arguments = sys.argv[1:]
     made = arguments[0] != "--page"
@@ -125,6 +131,9 @@ def main():
                                 "--shutter", "0,1", "--tc-rays", "4", "--shading", "flat", "--time-tolerance", "exact"], check=True)
                 subprocess.run([kairos, "expose", folder / "shot file.ktime", "--quiet", "--page", page], check=True)
                 problems = check(browser, page.as_uri(), kairos, folder)
+                in_docs = pathlib.Path(__file__).parents[2] / "docs/pictures/shutter.html"
+                if code_of(in_docs) != code_of(page):
+                    problems.append(f"{in_docs} is not what kairos expose --page writes: make it anew")
             for i in range(2, len(arguments), 4):
                 browser.open(page.as_uri(), (int(arguments[i + 2]), int(arguments[i + 3])))
                 browser.wait("document.body.dataset.ready === 'yes'", "the page does not come to be ready")

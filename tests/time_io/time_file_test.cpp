@@ -1,7 +1,9 @@
 // Files of pictures over time: what was written is read, whatever happened in between.
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,6 +15,7 @@
 #include "seed.h"
 #include "temp_folder.h"
 #include "time_io/crc32c.h"
+#include "time_io/murmur_hash.h"
 
 namespace kairos {
 namespace {
@@ -41,7 +44,7 @@ class Pixels {
       for (float now = real() / 4; now < 1;) {
         const float end = std::min(1.0f, now + real() / 3);
         const uint32_t knot = builder_.add_knot(now, {real(), real(), real()}, {}, {});
-        builder_.add_part({{now, end, 1, 1, 0, 0, true}, knot, 1});
+        builder_.add_part({{now, end, 1 + real(), 1 + real(), ray % 2, 0, true}, knot, 1});
         now = end + real() / 8;
       }
       builder_.add_ray({{}, 1, PixelRay::kAll, first, builder_.part_count() - first, 1});
@@ -59,6 +62,7 @@ class TimeFiles : public testing::Test {
   TimeFiles() {
     shot_.projection.width = 70;
     shot_.projection.height = 40;
+    shot_.meshes.resize(2);
     shot_.shutter_open = 2;
     shot_.shutter_close = 2.5;
     params_.shading = ShadingKind::flat;
@@ -81,13 +85,22 @@ class TimeFiles : public testing::Test {
     writer.finish();
   }
   TimePicture in_memory(double tolerance) {
-    TimeFilm film(shot_, params_, tolerance);
+    TimeFilm film(shot_, params_, tolerance, {}, true);
     add_pixels(film, all);
     return film.take();
   }
   static void expect_same(const Image& a, const Image& b) {
     ASSERT_EQ(a.channels.size(), b.channels.size());
     for (size_t c = 0; c < a.channels.size(); ++c) EXPECT_EQ(a.channels[c].values, b.channels[c].values);
+  }
+  static void expect_same(const ExposedObjects& a, const ExposedObjects& b) {
+    EXPECT_EQ(a.first, b.first);
+    ASSERT_EQ(a.seen.size(), b.seen.size());
+    for (size_t i = 0; i < a.seen.size(); ++i) {
+      const SeenObject &x = a.seen[i], &y = b.seen[i];
+      ASSERT_EQ(std::tuple(x.mesh, x.colour.x, x.colour.y, x.colour.z, x.coverage, x.depth),
+                std::tuple(y.mesh, y.colour.x, y.colour.y, y.colour.z, y.coverage, y.depth));
+    }
   }
   /// Of opening and reading everything; empty where nothing is wrong.
   std::string message(const std::string& path) const {
@@ -109,7 +122,7 @@ class TimeFiles : public testing::Test {
 
 TEST_F(TimeFiles, HoldWhatAFilmHolds) {
   for (const double tolerance : {0.0, 0x1p-10}) {
-    write({tolerance, {2, 25}, "mark"});
+    write({tolerance, {2, 25}, "mark", true});
     const TimeFile file = TimeFile::open(path_);
     file.check();
     const TimePicture memory = in_memory(tolerance);
@@ -118,6 +131,10 @@ TEST_F(TimeFiles, HoldWhatAFilmHolds) {
     options.coverage = true;
     expect_same(file.picture().expose(weight, options), memory.expose(weight, options));
     expect_same(file.picture().at(0.3), memory.at(0.3));
+    const PixelWeights weights{[&](int, int) { return weight; }};
+    expect_same(file.picture().objects(weights), memory.objects(weights));
+    expect_same(file.picture().objects_at(0.3), memory.objects_at(0.3));
+    EXPECT_GT(memory.objects(weights).seen.size(), size_t{65} * 37) << "two meshes in most pixels";
     const TimeQuality quality = file.picture().quality(), wanted = memory.quality();
     EXPECT_EQ(quality.tolerance, tolerance);
     EXPECT_EQ(quality.deviation, wanted.deviation);
@@ -181,19 +198,21 @@ TEST_F(TimeFiles, GoOnWhereTheyWereLeft) {
 }
 
 TEST_F(TimeFiles, EveryPrefixOfAPartIsContinuedOrBegun) {
-  write();
+  TimeFileOptions options;
+  options.objects = options.geometry = true;
+  write(options);
   const std::string whole = bytes_of(path_);
   std::string part;
   {
-    TimeFileWriter writer(path_, shot_, params_);
+    TimeFileWriter writer(path_, shot_, params_, options);
     add_pixels(writer, all);
     part = bytes_of(path_ + ".part");
   }
   std::mt19937 random(test::seed());
-  for (int i = 0; i < 20; ++i) {
+  for (int i = 0; i < 12; ++i) {
     const size_t size = i == 0 ? 0 : i == 1 ? 63 : std::uniform_int_distribution<size_t>(1100, part.size())(random);
     put_bytes(path_ + ".part", part.substr(0, size));
-    TimeFileWriter writer(path_, shot_, params_);
+    TimeFileWriter writer(path_, shot_, params_, options);
     add_pixels(writer, all);
     writer.finish();
     ASSERT_EQ(bytes_of(path_), whole) << size << " bytes were there";
@@ -221,9 +240,57 @@ TEST_F(TimeFiles, AreWrittenByOneAtATime) {
   EXPECT_THROW(TimeFileWriter(path_, shot_, params_), Error);
 }
 
+// Vertices of two keys on a straight line, cut out of the middle; a camera that turns and travels; what blends.
+TEST_F(TimeFiles, HoldWhereEverythingIs) {
+  const auto turned = [](double time) {
+    const double angle = 1.5 * time;
+    return std::array<Vec3d, 3>{Vec3d{std::cos(angle), 0, -std::sin(angle)}, Vec3d{0, 1, 0},
+                                Vec3d{std::sin(angle), 0, std::cos(angle)}};
+  };
+  Mesh& mesh = shot_.meshes[0];
+  mesh.name = "moves";
+  mesh.triangles = {{0, 1, 2}};
+  mesh.key_times = {0, 0.5f, 1};
+  mesh.positions = {
+      {{0, 0, -1}, {1, 0, -1}, {0, 1, -1}}, {{0, 4, -1}, {1, 4, -1}, {0, 5, -1}}, {{2, 4, -1}, {3, 4, -1}, {2, 5, -1}}};
+  mesh.one_sided = true;
+  shot_.meshes[1] = mesh;
+  shot_.meshes[1].material = 1;
+  shot_.materials.resize(2);
+  shot_.materials[1].alpha_mode = Material::AlphaMode::blend;
+  shot_.camera_moves = true;
+  shot_.world_from_camera = turned;
+  shot_.camera_position = [](double time) { return Vec3d{time, 2, 3}; };
+  shot_.projection.shift = {0.1, 0.2};
+  write({0x1p-6, {}, "", true, true});
+  const TimeFile file = TimeFile::open(path_);
+  ASSERT_TRUE(file.has_geometry());
+  const Shot whole = file.shot(2, 2.5);
+  EXPECT_EQ(whole.meshes[0].positions.size(), 3u);
+  EXPECT_EQ(whole.meshes[0].key_times[1], 0.5f);
+  EXPECT_EQ(whole.projection.shift[1], 0.2);
+  EXPECT_TRUE(whole.meshes[1].triangles.empty()) << "blends";
+
+  const Shot part = file.shot(2.125, 2.375);
+  const Mesh& cut = part.meshes[0];
+  EXPECT_EQ(cut.name, "moves");
+  EXPECT_TRUE(cut.one_sided);
+  ASSERT_EQ(cut.key_times, (std::vector<float>{0, 0.5f, 1}));
+  EXPECT_EQ(cut.positions[0][1].y, 2);
+  EXPECT_EQ(cut.positions[1][0].y, 4);
+  EXPECT_EQ(cut.positions[2][2].x, 1);
+  for (const double time : {0.0, 0.3, 1.0}) {
+    const auto axes = part.world_from_camera(time), wanted = turned(0.25 + time / 2);
+    for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(length(axes[i] - wanted[i]), 0, 2e-6);
+    EXPECT_NEAR(part.camera_position(time).x, 0.25 + time / 2, 1e-9);
+  }
+  EXPECT_THROW(file.shot(1.9, 2.5), Error);
+  EXPECT_THROW(file.shot(2.5, 2.5), Error);
+}
+
 TEST_F(TimeFiles, NoPrefixIsTakenForAWholeFile) {
-  params_.crop = Crop{0, 5, 0, 4};
-  write({0x1p-6, {}, ""});
+  params_.crop = Crop{0, 3, 0, 2};
+  write({0x1p-6, {}, "", true, true});
   const std::string whole = bytes_of(path_);
   EXPECT_EQ(message(path_), "");
   for (size_t size = whole.size(); size-- > 0;) {
@@ -235,10 +302,11 @@ TEST_F(TimeFiles, NoPrefixIsTakenForAWholeFile) {
 }
 
 TEST_F(TimeFiles, NoFlippedByteGoesUnnoticed) {
-  params_.crop = Crop{0, 5, 0, 4};
-  write({0x1p-6, {}, ""});
+  params_.crop = Crop{0, 3, 0, 2};
+  write({0x1p-6, {}, "", true, true});
   const std::string whole = bytes_of(path_);
   const Image right = TimeFile::open(path_).picture().expose();
+  const ExposedObjects objects = TimeFile::open(path_).picture().objects_at(0.5);
   std::mt19937 random(test::seed());
   std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
   const auto put_byte = [&](size_t i, int byte) {
@@ -250,6 +318,7 @@ TEST_F(TimeFiles, NoFlippedByteGoesUnnoticed) {
       if (message(path_).empty()) {
         const TimeFile same = TimeFile::open(path_);
         expect_same(same.picture().expose(), right);
+        expect_same(same.picture().objects_at(0.5), objects);
         EXPECT_EQ(same.picture().frame().open, 2);
         EXPECT_EQ(same.picture().frame().close, 2.5);
         EXPECT_EQ(same.picture().frame().fps, 24);
@@ -264,6 +333,14 @@ TEST_F(TimeFiles, OtherFilesAreRefusedInOneLine) {
   EXPECT_THAT(message(path_), HasSubstr("is no picture over time"));
   EXPECT_THROW(TimeFile::open(path_ + "x"), Error);
   EXPECT_THROW(TimeFile::open(folder_.path("")), Error);
+}
+
+// The specification's examples.
+TEST(Cryptomatte, HashesNames) {
+  EXPECT_EQ(murmur3_32("torus"), 4053562365u);
+  EXPECT_EQ(murmur3_32("равнина"), 2518896926u);
+  EXPECT_EQ(cryptomatte_id("torus"), -1.54943624832e+30f);
+  EXPECT_EQ(cryptomatte_id("равнина"), -1.31926312124e-25f);
 }
 
 // RFC 3720, appendix B.4.
