@@ -9,10 +9,12 @@ namespace {
 using Time = EventFileOptions::Time;
 using Polarity = EventFileOptions::Polarity;
 using Header = EventFileOptions::Header;
+using Evt = EventFileOptions::Evt;
 
 constexpr std::array<Named<Time>, 3> kTimes{
     {{"s", Time::seconds}, {"us", Time::microseconds}, {"ns", Time::nanoseconds}}};
 constexpr std::array<Named<Polarity>, 2> kPolarities{{{"01", Polarity::zero_one}, {"signs", Polarity::signs}}};
+constexpr std::array<Named<Evt>, 3> kEvts{{{"3", Evt::evt3}, {"2.1", Evt::evt21}, {"2", Evt::evt2}}};
 constexpr std::array<Named<Header>, 3> kHeaders{
     {{"none", Header::none}, {"e2vid", Header::e2vid}, {"v2e", Header::v2e}}};
 
@@ -34,13 +36,18 @@ void add_event_sensor_options(CLI::App& app, EventSensor& sensor) {
   app.add_option_function<std::string>(
          "--sensor",
          [&sensor](const std::string& name) {
+           if (name.ends_with(".json")) {
+             sensor = read_event_sensor(name);
+             return;
+           }
            const auto preset = event_sensor(name);
            if (!preset)
-             throw CLI::ValidationError("--sensor", fmt::format("'{}' is not one of: {}", name, event_sensor_names()));
+             throw CLI::ValidationError(
+                 "--sensor", fmt::format("'{}' is neither a .json file nor one of: {}", name, event_sensor_names()));
            sensor = *preset;
          },
          "The sensor's parameters, which the options that follow change [ideal]")
-      ->type_name("ideal|v2e|v2e-clean|v2e-noisy|esim|vid2e|metavision")
+      ->type_name("ideal|v2e|v2e-clean|v2e-noisy|esim|vid2e|metavision|FILE.json")
       ->trigger_on_parse();
   app.add_option_function<std::string>(
          "--contrast",
@@ -79,7 +86,7 @@ void add_event_file_options(CLI::App& app, EventFileOptions& file) {
                       "0 and 1, or -1 and 1, in .txt and .npz (default: 01 and signs)");
   add_named<Header>(app, "--text-header", kHeaders, file.header,
                     "First lines of .txt: none, the size as E2VID's reader skips it, or v2e's [none]");
-  add_count(app, "--evt", file.evt, 2, 3, "Which EVT a .raw file holds");
+  add_named<Evt>(app, "--evt", kEvts, file.evt, "Which EVT a .raw file holds [3]");
   add_real(app, "--epoch", "Seconds that are added to all stamps [0]", "S", [&file](double value) {
     constexpr double kMost = 1e9;
     if (!(value >= 0 && value <= kMost)) throw CLI::ValidationError("--epoch", "must be 0 to 1e9");

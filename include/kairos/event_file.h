@@ -27,11 +27,12 @@ struct EventFileOptions {
   std::optional<Time> time;          ///< of text and npz (not seconds); unset: as is usual
   std::optional<Polarity> polarity;  ///< of text and npz; unset: as is usual
   Header header = Header::none;
-  int evt = 3;           ///< of .raw: 3 or 2
-  int64_t epoch = 0;     ///< nanoseconds that are added to all stamps; 0 or more
-  bool kinds = false;    ///< npz: an array that tells signal and noise apart
-  bool labels = false;   ///< npz: arrays of what made each pixel fire
-  int64_t duration = 0;  ///< nanoseconds: of the recording; .h5 has an index of all of its milliseconds
+  enum class Evt { evt2, evt21, evt3 };  ///< versions 2, 2.1 and 3
+  Evt evt = Evt::evt3;                   ///< of .raw
+  int64_t epoch = 0;                     ///< nanoseconds that are added to all stamps; 0 or more
+  bool kinds = false;                    ///< npz: an array that tells signal and noise apart
+  bool labels = false;                   ///< npz: arrays of what made each pixel fire
+  int64_t duration = 0;                  ///< nanoseconds: of the recording; .h5 has an index of all of its milliseconds
 };
 
 /// A file that is being written: there whole, or not at all. Its ending chooses what it is (event_file_endings).
@@ -72,6 +73,10 @@ struct EventFileFacts {
 /// Reads what EventFileWriter writes, and others' of these formats. `sink` gets all events in the file's order, at
 /// microseconds where the file has no finer ones. Throws Error(bad_input) or Error(io).
 KAIROS_API EventFileFacts read_events(const std::string& path, EventSink& sink);
+
+/// A sensor's parameters from JSON: what stands beside a recording, or an object with some of what is under "sensor" in
+/// it; others are an ideal sensor's. Throws Error(bad_input) or Error(io).
+KAIROS_API EventSensor read_event_sensor(const std::string& path);
 
 /// Writes beside a recording what it is and how it was made, as JSON. Throws Error(io).
 KAIROS_API void write_event_notes(const std::string& path, const EventOptions& options, const EventStats& stats,

@@ -73,6 +73,8 @@ struct EventSensor {
   double shot_noise = 0;   ///< Hz, of both polarities together, in the dark; a quarter of it in light of 1; 0: none
   bool random_level = false;  ///< pixels begin anywhere between their thresholds, not at what they see
   std::string bayer;          ///< empty, or which channel the upper left 2x2 pixels get, row by row: "RGGB", ...
+
+  friend bool operator==(const EventSensor&, const EventSensor&) = default;
 };
 
 /// "ideal", "v2e", "v2e-clean", "v2e-noisy", "esim", "vid2e" or "metavision"; unset for another name.

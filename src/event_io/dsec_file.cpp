@@ -5,41 +5,15 @@
 #include <string>
 #include <vector>
 
-#include <hdf5.h>
-
-#include <kairos/error.h>
-
-#include "base/atomic_file.h"
-#include "base/scratch_file.h"
 #include "event_io/event_format.h"
+#include "event_io/hdf5_file.h"
+#include "event_io/hdf5_readers.h"
 
 namespace kairos {
 
 namespace {
 
 constexpr hsize_t kChunk = 65536;  // numbers that are compressed together
-
-/// An HDF5 identifier, closed with what it is of.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*close)(hid_t), const std::string& path) : id_(id), close_(close) {
-    if (id_ < 0) throw Error(ErrorCode::io, path, "the HDF5 library refused it");
-  }
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
-  Handle(Handle&& other) noexcept : id_(other.id_), close_(other.close_) { other.id_ = -1; }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): the library's functions take it
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
-/// The library prints what goes wrong unless told not to; we say it in a line of our own.
-void silence() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
 hid_t type_of(uint8_t /*value*/) { return H5T_NATIVE_UINT8; }
 hid_t type_of(uint16_t /*value*/) { return H5T_NATIVE_UINT16; }
@@ -60,7 +34,7 @@ class NumberSet {
     if (block_.empty()) return;
     const hsize_t begin = size_, count = block_.size(), end = begin + count;
     if (H5Dset_extent(set_, &end) < 0) refuse();
-    const Handle place(H5Dget_space(set_), H5Sclose, path_),
+    const Hdf5Handle place(H5Dget_space(set_), H5Sclose, path_),
         memory(H5Screate_simple(1, &count, nullptr), H5Sclose, path_);
     if (H5Sselect_hyperslab(place, H5S_SELECT_SET, &begin, nullptr, &count, nullptr) < 0 ||
         H5Dwrite(set_, type_of(Number{}), memory, place, H5P_DEFAULT, block_.data()) < 0)
@@ -72,20 +46,15 @@ class NumberSet {
  private:
   [[noreturn]] void refuse() const { throw Error(ErrorCode::io, path_, "cannot be written: the HDF5 library refused"); }
 
-  static Handle make(hid_t file, const char* name, const std::string& path) {
-    const hsize_t none = 0, most = H5S_UNLIMITED, chunk = kChunk;
-    const Handle space(H5Screate_simple(1, &none, &most), H5Sclose, path);
-    const Handle how(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path), links(H5Pcreate(H5P_LINK_CREATE), H5Pclose, path);
-    H5Pset_chunk(how, 1, &chunk);
+  static Hdf5Handle make(hid_t file, const char* name, const std::string& path) {
+    const Hdf5Handle how = growing_set(kChunk, path);
     H5Pset_shuffle(how);
     H5Pset_deflate(how, 1);
-    H5Pset_obj_track_times(how, false);  // files of the same events are the same
-    H5Pset_create_intermediate_group(links, 1);
-    return {H5Dcreate2(file, name, type_of(Number{}), space, links, how, H5P_DEFAULT), H5Dclose, path};
+    return make_set(file, name, type_of(Number{}), how, path);
   }
 
   std::string path_;
-  Handle set_;
+  Hdf5Handle set_;
   std::vector<Number> block_;
   hsize_t size_ = 0;
 };
@@ -94,17 +63,16 @@ class DsecWriter : public EventFileWriter::Format {
  public:
   explicit DsecWriter(const EventFilePlan& plan)
       : plan_(plan),
-        target_(plan.path),
-        scratch_(plan.path, [&](const std::string& name) { file_id_ = create(name); }),
-        file_(file_id_, H5Fclose, plan.path),
+        file_(plan.path),
         t_(file_, "events/t", plan.path),
         x_(file_, "events/x", plan.path),
         y_(file_, "events/y", plan.path),
         p_(file_, "events/p", plan.path),
         index_(file_, "ms_to_idx", plan.path) {
-    const Handle scalar(H5Screate(H5S_SCALAR), H5Sclose, plan.path);
-    const Handle offset(H5Dcreate2(file_, "t_offset", H5T_NATIVE_INT64, scalar, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                        H5Dclose, plan.path);
+    const Hdf5Handle scalar(H5Screate(H5S_SCALAR), H5Sclose, plan.path);
+    const Hdf5Handle offset(
+        H5Dcreate2(file_, "t_offset", H5T_NATIVE_INT64, scalar, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
+        plan.path);
     const int64_t microseconds_before = microseconds(plan.options.epoch);
     H5Dwrite(offset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &microseconds_before);
   }
@@ -130,27 +98,17 @@ class DsecWriter : public EventFileWriter::Format {
     t_.flush();
     p_.flush();
     index_.flush();
-    if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0)
-      throw Error(ErrorCode::io, plan_.path, "the HDF5 library refused to write it");
-    scratch_.read([&](const char* block, size_t size) { target_.write(block, size); });
-    target_.commit();
+    file_.finish();
   }
 
  private:
-  static hid_t create(const std::string& name) {
-    silence();
-    return H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  }
   /// Entries up to this millisecond: how many events are before each.
   void index_to(int64_t millisecond) {
     for (; indexed_ <= millisecond; ++indexed_) index_.put(count_);
   }
 
   EventFilePlan plan_;
-  AtomicFile target_;
-  hid_t file_id_ = -1;
-  ScratchFile scratch_;
-  Handle file_;
+  Hdf5Output file_;
   NumberSet<uint32_t> t_;
   NumberSet<uint16_t> x_, y_;
   NumberSet<uint8_t> p_;
@@ -174,7 +132,7 @@ class NumberReader {
   uint64_t size() const { return size_; }
   void read(uint64_t begin, std::vector<int64_t>& out) {
     const hsize_t from = begin, count = out.size();
-    const Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose, path_);
+    const Hdf5Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose, path_);
     if (H5Sselect_hyperslab(space_, H5S_SELECT_SET, &from, nullptr, &count, nullptr) < 0 ||
         H5Dread(set_, H5T_NATIVE_INT64, memory, space_, H5P_DEFAULT, out.data()) < 0)
       throw Error(ErrorCode::bad_input, path_, "cannot be read: broken, or compressed in a way that needs a plugin");
@@ -182,7 +140,7 @@ class NumberReader {
 
  private:
   std::string path_;
-  Handle set_, space_;
+  Hdf5Handle set_, space_;
   uint64_t size_ = 0;
 };
 
@@ -192,13 +150,7 @@ std::unique_ptr<EventFileWriter::Format> make_dsec_writer(const EventFilePlan& p
   return std::make_unique<DsecWriter>(plan);
 }
 
-EventFileFacts read_dsec(const std::string& path, EventSink& sink) {
-  silence();
-  const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  if (id < 0) throw Error(ErrorCode::bad_input, path, "is no HDF5 file that can be read");
-  const Handle file(id, H5Fclose, path);
-  if (H5Lexists(file, "events", H5P_DEFAULT) <= 0)
-    throw Error(ErrorCode::bad_input, path, "is not laid out as files of DSEC are: there is no group 'events'");
+EventFileFacts read_dsec(const std::string& path, hid_t file, EventSink& sink) {
   std::array<NumberReader, 4> columns{NumberReader(file, "events/t", path), NumberReader(file, "events/x", path),
                                       NumberReader(file, "events/y", path), NumberReader(file, "events/p", path)};
   for (const NumberReader& column : columns)

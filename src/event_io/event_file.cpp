@@ -29,17 +29,14 @@ struct Kind {
   int most_side;   // pixels
 };
 
-std::unique_ptr<EventFileWriter::Format> make_raw_writer(const EventFilePlan& plan) {
-  return plan.options.evt == 2 ? make_evt2_writer(plan) : make_evt3_writer(plan);
-}
-
-const std::array<Kind, 8>& kinds() {
-  static constexpr std::array<Kind, 8> all{{
+const std::array<Kind, 9>& kinds() {
+  static constexpr std::array<Kind, 9> all{{
       {".npz", make_npz_writer, read_npz, 65536},
       {".npy", make_npy_writer, read_npy, 65536},
       {".txt", make_text_writer, read_event_text, 65536},
       {".raw", make_raw_writer, read_raw, 2048},
       {".h5", make_dsec_writer, nullptr, 65536},
+      {".hdf5", make_metavision_writer, nullptr, 2048},
       {".aedat4", make_aedat4_writer, read_aedat4, 32768},
       {".aedat", make_aedat2_writer, nullptr, 640},
       {".dat", make_dat_writer, read_dat, 16384},
@@ -71,7 +68,6 @@ void check_event_file(const std::string& path, int width, int height, const Even
   const auto refuse = [&](const std::string& why) { throw Error(ErrorCode::bad_usage, path, why); };
   if (std::max(width, height) > kind.most_side)
     refuse(ending + " has no places beyond " + std::to_string(kind.most_side) + " pixels; write another format");
-  if (options.evt != 2 && options.evt != 3) refuse("of EVT there are 2 and 3");
   if (options.epoch < 0) refuse("the epoch must not be before 0");
   const bool text = ending == ".txt", npz = ending == ".npz";
   if (options.time && ((!text && !npz) || (npz && *options.time == Time::seconds)))
@@ -111,7 +107,7 @@ void EventFileWriter::finish() { format_->finish(); }
 
 EventFileFacts read_events(const std::string& path, EventSink& sink) {
   const Kind& kind = kind_of(path);
-  if (kind.make == make_dsec_writer) return read_dsec(path, sink);
+  if (kind.make == make_dsec_writer || kind.make == make_metavision_writer) return read_hdf5(path, sink);
   if (kind.read == nullptr)
     throw Error(ErrorCode::bad_usage, path, "AEDAT-2.0 is written, but not read; use another format");
   const std::vector<uint8_t> bytes = read_file(path, kMostBytes);

@@ -37,10 +37,10 @@ inline int64_t microseconds(int64_t nanoseconds) { return nanoseconds / 1000; } 
 std::unique_ptr<EventFileWriter::Format> make_npz_writer(const EventFilePlan& plan);
 std::unique_ptr<EventFileWriter::Format> make_npy_writer(const EventFilePlan& plan);
 std::unique_ptr<EventFileWriter::Format> make_text_writer(const EventFilePlan& plan);
-std::unique_ptr<EventFileWriter::Format> make_evt2_writer(const EventFilePlan& plan);
-std::unique_ptr<EventFileWriter::Format> make_evt3_writer(const EventFilePlan& plan);
+std::unique_ptr<EventFileWriter::Format> make_raw_writer(const EventFilePlan& plan);
 std::unique_ptr<EventFileWriter::Format> make_dat_writer(const EventFilePlan& plan);
 std::unique_ptr<EventFileWriter::Format> make_dsec_writer(const EventFilePlan& plan);
+std::unique_ptr<EventFileWriter::Format> make_metavision_writer(const EventFilePlan& plan);
 std::unique_ptr<EventFileWriter::Format> make_aedat4_writer(const EventFilePlan& plan);
 std::unique_ptr<EventFileWriter::Format> make_aedat2_writer(const EventFilePlan& plan);
 
@@ -51,8 +51,8 @@ EventFileFacts read_event_text(const std::string& path, std::span<const uint8_t>
 EventFileFacts read_raw(const std::string& path, std::span<const uint8_t> bytes, EventSink& sink);
 EventFileFacts read_dat(const std::string& path, std::span<const uint8_t> bytes, EventSink& sink);
 EventFileFacts read_aedat4(const std::string& path, std::span<const uint8_t> bytes, EventSink& sink);
-/// Of an HDF5 file, which its library opens by itself.
-EventFileFacts read_dsec(const std::string& path, EventSink& sink);
+/// Of an HDF5 file, which its library opens by itself: laid out like DSEC's or Metavision's.
+EventFileFacts read_hdf5(const std::string& path, EventSink& sink);
 
 /// Collects what a reader finds, and hands it over in blocks.
 class EventBlock {

@@ -5,32 +5,11 @@
 #include <kairos/files.h>
 #include <kairos/version.h>
 
+#include "event_io/sensor_file.h"
+
 namespace kairos {
 
-namespace {
-
 using nlohmann::ordered_json;
-
-ordered_json sensor_json(const EventSensor& sensor) {
-  ordered_json json;
-  json["on"] = sensor.on;
-  json["off"] = sensor.off;
-  json["mismatch"] = sensor.mismatch;
-  json["white"] = sensor.white;
-  json["dark"] = sensor.dark;
-  json["refractory_s"] = sensor.refractory;
-  json["refractory_mode"] = std::string(to_string(sensor.refractory_mode));
-  json["cutoff_hz"] = sensor.cutoff;
-  json["leak_hz"] = sensor.leak;
-  json["leak_spread"] = sensor.leak_spread;
-  json["leak_jitter"] = sensor.leak_jitter;
-  json["shot_noise_hz"] = sensor.shot_noise;
-  json["random_level"] = sensor.random_level;
-  json["bayer"] = sensor.bayer;
-  return json;
-}
-
-}  // namespace
 
 ordered_json event_notes(const EventOptions& options, const EventStats& stats, const std::string& command_line) {
   ordered_json json;

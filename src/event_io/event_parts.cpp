@@ -40,7 +40,7 @@ ordered_json options_json(const EventFileOptions& options) {
   json["time"] = number_of(options.time);
   json["polarity"] = number_of(options.polarity);
   json["header"] = static_cast<int>(options.header);
-  json["evt"] = options.evt;
+  json["evt"] = static_cast<int>(options.evt);
   json["epoch"] = options.epoch;
   json["kinds"] = options.kinds;
   json["labels"] = options.labels;
@@ -53,7 +53,7 @@ EventFileOptions parse_options(const ordered_json& json) {
   options.time = choice_of(json.at("time"), EventFileOptions::Time::nanoseconds);
   options.polarity = choice_of(json.at("polarity"), EventFileOptions::Polarity::signs);
   options.header = choice_of(json.at("header"), EventFileOptions::Header::v2e).value_or(EventFileOptions::Header::none);
-  options.evt = json.at("evt").get<int>();
+  options.evt = choice_of(json.at("evt"), EventFileOptions::Evt::evt3).value_or(EventFileOptions::Evt::evt3);
   options.epoch = json.at("epoch").get<int64_t>();
   options.kinds = json.at("kinds").get<bool>();
   options.labels = json.at("labels").get<bool>();

@@ -8,7 +8,9 @@
 #include <kairos/event_file.h>
 #include <kairos/event_page.h>
 
+#include "base/little_endian.h"
 #include "error_matchers.h"
+#include "event_io/ecf.h"
 #include "seed.h"
 #include "temp_folder.h"
 
@@ -23,7 +25,7 @@ class Collector : public EventSink {
 
 constexpr int kWidth = 346, kHeight = 260;
 
-/// Bursts with silence in between, longer than the counters of EVT3.
+/// Bursts with silence in between, longer than the counters of EVT3, and rows in which many fire at once.
 std::vector<Event> some_events(std::mt19937& random, size_t count) {
   std::vector<Event> events;
   int64_t time = 0;
@@ -33,7 +35,15 @@ std::vector<Event> some_events(std::mt19937& random, size_t count) {
     events.push_back({time, static_cast<uint16_t>(random() % kWidth), static_cast<uint16_t>(random() % kHeight),
                       static_cast<int8_t>(random() % 2 == 0 ? 1 : -1), EventKind::signal});
   }
+  for (size_t row = 0; row < count / 100; ++row) {
+    const Event one = events[random() % count];
+    for (uint16_t x = 0; x < kWidth; ++x)
+      if (random() % 3 == 0) events.push_back({one.time, x, one.y, one.polarity, EventKind::signal});
+  }
   std::sort(events.begin(), events.end());
+  events.erase(
+      std::unique(events.begin(), events.end(), [](const Event& a, const Event& b) { return !(a < b) && !(b < a); }),
+      events.end());
   return events;
 }
 
@@ -77,8 +87,10 @@ TEST(EventFiles, OfAllKindsHoldWhatWasWrittenToTheMicrosecond) {
       {"c.txt", with([](auto& o) { o.header = EventFileOptions::Header::v2e; }), true, false},
       {"d.txt", with([](auto& o) { o.time = EventFileOptions::Time::nanoseconds; }), true, false},
       {"a.raw", {}},
-      {"b.raw", with([](auto& o) { o.evt = 2; })},
+      {"b.raw", with([](auto& o) { o.evt = EventFileOptions::Evt::evt2; })},
+      {"c.raw", with([](auto& o) { o.evt = EventFileOptions::Evt::evt21; })},
       {"a.h5", with([](auto& o) { o.duration = 40000000000; }), false, false},
+      {"a.hdf5", {}},
       {"a.aedat4", {}},
       {"a.dat", {}},
   };
@@ -96,6 +108,96 @@ TEST(EventFiles, OfAllKindsHoldWhatWasWrittenToTheMicrosecond) {
       ASSERT_EQ(collector.events[i], expected) << one.name << " event " << i;
     }
   }
+}
+
+/// Whichever way a camera's software chooses, its own bytes: hand-made chunks of ECF.
+TEST(EventFiles, EcfIsReadInAllOfItsForms) {
+  const auto chunk = [](std::vector<uint8_t> rest) {
+    std::vector<uint8_t> bytes;
+    put_little(bytes, uint32_t{6} << 2 | rest[0]);
+    put_little(bytes, uint64_t{1000});
+    // Three events at 1000 + 2, one after 300 more, two after 1 more.
+    for (const int byte : {0x23, 0xfc, 0xf2, 0xf1, 0x01, 0x12}) bytes.push_back(static_cast<uint8_t>(byte));
+    bytes.insert(bytes.end(), rest.begin() + 1, rest.end());
+    return bytes;
+  };
+  const std::vector<int64_t> times{1002, 1002, 1002, 1302, 1303, 1303};
+  const std::vector<int> xs{10, 11, 13, 1279, 0, 5}, ys{7, 7, 7, 7, 700, 700}, ps{1, 1, 1, 1, 0, 0};
+  const auto expect = [&](const std::vector<uint8_t>& bytes, const std::string& name) {
+    const auto events = ecf::decode(bytes, "chunk");
+    ASSERT_EQ(events.size(), times.size()) << name;
+    for (size_t i = 0; i < times.size(); ++i) {
+      EXPECT_EQ(events[i].time, times[i]) << name << i;
+      EXPECT_EQ(events[i].x, xs[i]) << name << i;
+      EXPECT_EQ(events[i].y, ys[i]) << name << i;
+      EXPECT_EQ(events[i].polarity, ps[i]) << name << i;
+    }
+  };
+  const auto words = [](std::vector<uint8_t> begin, const std::vector<uint16_t>& more,
+                        const std::vector<uint8_t>& end) {
+    for (const uint16_t word : more) put_little(begin, word);
+    begin.insert(begin.end(), end.begin(), end.end());
+    return begin;
+  };
+  // Rows 4 x 7, 2 x 700; places with masks of five neighbours (11 and 13; none; 5); polarities 4 x 1, 2 x 0.
+  expect(chunk(words({0}, {7 << 5 | 4, 700 << 5 | 2, 10 << 5 | 0b10100, 1279 << 5, 0 << 5 | 0b00001}, {0x84, 0x02})),
+         "masks");
+  // Rows the same; four events in three words: 12 bits each, x and polarity.
+  const auto v = [&](size_t i) { return static_cast<uint16_t>(xs[i] << 1 | ps[i]); };
+  const auto three = [](uint16_t a, uint16_t b, uint16_t c, uint16_t d) {
+    return std::vector<uint16_t>{static_cast<uint16_t>(a << 4 | (b & 15)),
+                                 static_cast<uint16_t>(b >> 4 << 8 | (c & 255)),
+                                 static_cast<uint16_t>(c >> 8 << 12 | d)};
+  };
+  std::vector<uint16_t> packed{7 << 5 | 4, 700 << 5 | 2};
+  for (const auto& triple : {three(v(0), v(1), v(2), v(3)), three(v(4), v(5), 0, 0)})
+    packed.insert(packed.end(), triple.begin(), triple.end());
+  expect(chunk(words({1}, packed, {})), "packed x");
+  std::vector<ecf::CdEvent> all;
+  for (size_t i = 0; i < times.size(); ++i)
+    all.push_back({static_cast<uint16_t>(xs[i]), static_cast<uint16_t>(ys[i]), static_cast<int16_t>(ps[i]), times[i]});
+  expect(ecf::encode(all), "our own");
+  std::vector<uint8_t> cut = ecf::encode(all);
+  while (!cut.empty()) {
+    cut.pop_back();
+    EXPECT_THROW(ecf::decode(cut, "chunk"), Error) << cut.size();
+  }
+}
+
+/// EVT3 tells of neighbours in four words where four or more of 32 fire, EVT2.1 of 32 in one.
+TEST(EventFiles, RowsThatFireAtOnceAreShort) {
+  const TempFolder folder;
+  std::vector<Event> row;
+  for (uint16_t x = 5; x < 5 + 64; ++x) row.push_back({1000, x, 3, 1, EventKind::signal});
+  const auto size = [&](EventFileOptions::Evt evt) {
+    EventFileOptions options;
+    options.evt = evt;
+    write(folder.path("a.raw"), row, options);
+    const std::string bytes = bytes_of(folder.path("a.raw"));
+    return bytes.size() - bytes.find("% end\n") - 6;
+  };
+  EXPECT_EQ(size(EventFileOptions::Evt::evt3), 2 * (1 + 2 + 2 * 4u)) << "time twice, row, two vectors";
+  EXPECT_EQ(size(EventFileOptions::Evt::evt21), 8 * (1 + 3u)) << "time, and places from 0, 32 and 64";
+  EXPECT_EQ(size(EventFileOptions::Evt::evt2), 4 * (1 + 64u));
+}
+
+TEST(EventFiles, SensorsAreReadFromWhatStandsBesideARecording) {
+  const TempFolder folder;
+  EventOptions options;
+  options.sensor = *event_sensor("v2e-noisy");
+  options.sensor.refractory_mode = Refractory::resample;
+  options.sensor.bayer = "RGGB";
+  options.sensor.random_level = true;
+  write_event_notes(folder.path("a.json"), options, {}, "");
+  EXPECT_EQ(read_event_sensor(folder.path("a.json")), options.sensor);
+  const auto read = [&](const std::string& text) { return read_event_sensor(folder.write("b.json", text)); };
+  EventSensor expected;
+  expected.on = 0.25;
+  expected.refractory_mode = Refractory::drop;
+  EXPECT_EQ(read(R"({"on": 0.25, "refractory_mode": "drop"})"), expected);
+  expect_error([&] { read(R"({"sensor": {"contrast": 0.25}})"); }, {"b.json", "sensor.contrast", "is no parameter"});
+  expect_error([&] { read(R"({"refractory_mode": "wait"})"); }, {"refractory_mode", "'wait'", "resample"});
+  expect_error([&] { read("[]"); }, {"is no sensor"});
 }
 
 TEST(EventFiles, SayWhatIsNoise) {
@@ -143,7 +245,7 @@ TEST(EventFiles, HoldLabelsBesideEvents) {
 TEST(EventFiles, AreNotThereUntilTheyAreFinished) {
   const TempFolder folder;
   std::mt19937 random(1);
-  for (const std::string ending : {"npz", "txt", "raw", "h5", "aedat4"}) {
+  for (const std::string ending : {"npz", "txt", "raw", "h5", "hdf5", "aedat4"}) {
     { EventFileWriter(folder.path("a." + ending), kWidth, kHeight).add(some_events(random, 100)); }
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path("")));

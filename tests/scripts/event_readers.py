@@ -49,8 +49,9 @@ def record(*names, options=(), size="346x260"):
     subprocess.run([kairos, "events", scene, *files, "--size", size, "--to", "0.01", "--shading", "flat", "--quiet", *options], check=True)
 
 
-record("a.npz", "a.npy", "a.txt", "a.raw", "a.h5", "a.aedat4", "a.dat", "a.aedat")
+record("a.npz", "a.npy", "a.txt", "a.raw", "a.h5", "a.hdf5", "a.aedat4", "a.dat", "a.aedat")
 record("b.raw", options=["--evt", "2"])
+record("c.raw", options=["--evt", "2.1"])
 truth = numpy.load(at("a.npz"))
 t, x, y, on = truth["t"], truth["x"], truth["y"], truth["p"] > 0
 assert len(t) > 1000, len(t)
@@ -87,12 +88,64 @@ for name, encoding in (("a.dat", "dat"), ("b.raw", "evt2")):
 events = Wizard(encoding="evt3").read(at("a.raw"))
 same("expelliarmus evt3, places", t, events["x"], events["y"], events["p"] == 1)
 
-words = numpy.frombuffer(pathlib.Path(at("a.raw")).read_bytes().split(b"% end\n")[1], "<u2")
-kinds, values = words >> 12, words & 0xfff
-assert set(kinds) <= {0, 2, 6, 8}, set(kinds)
-known = lambda kind: values[numpy.maximum.accumulate(numpy.where(kinds == kind, numpy.arange(len(words)), 0))]
-fires = kinds == 2
-same("EVT3", (known(8).astype(int) << 12 | known(6))[fires], values[fires] & 0x7ff, known(0)[fires], values[fires] >> 11)
+body = lambda name: pathlib.Path(at(name)).read_bytes().split(b"% end\n")[1]
+found, time, row, base, base_on = [], [0, 0], 0, 0, 0
+for word in numpy.frombuffer(body("a.raw"), "<u2").tolist():
+    kind, value = word >> 12, word & 0xfff
+    places, way = [], base_on
+    if kind == 0:
+        row = value & 0x7ff
+    elif kind == 2:
+        places, way = [value & 0x7ff], value >> 11
+    elif kind == 3:
+        base, base_on = value & 0x7ff, value >> 11
+    elif kind in (4, 5):
+        places = [base + bit for bit in range(12) if value >> bit & 1]
+        base += 12 if kind == 4 else 8
+    else:
+        time[{8: 0, 6: 1}[kind]] = value
+    found += [(time[0] << 12 | time[1], place, row, way) for place in places]
+same("EVT3", *numpy.array(found).T)
+
+found, high = [], 0
+for word in numpy.frombuffer(body("c.raw"), "<u8").tolist():
+    if word >> 60 == 8:
+        high = word >> 32 & 0xfffffff
+        continue
+    assert word >> 60 < 2, word
+    found += [(high << 6 | word >> 54 & 63, (word >> 43 & 0x7ff) + bit, word >> 32 & 0x7ff, word >> 60) for bit in range(32) if word >> bit & 1]
+same("EVT2.1", *numpy.array(found).T)
+
+
+def ecf(chunk):
+    """Prophesee's ECF with rows, columns and polarities together, as its decoder reads it."""
+    head, now = int.from_bytes(chunk[:4], "little"), int.from_bytes(chunk[4:12], "little")
+    assert head & 3 == 2, head
+    at, times = 12, []
+    while len(times) < head >> 2:
+        step, count, shift = chunk[at] >> 4, chunk[at] & 15, 0
+        at += 1
+        while step == 15:
+            now, shift = now + (count << shift), shift + 4
+            step, count = chunk[at] >> 4, chunk[at] & 15
+            at += 1
+        now += step
+        if count == 15:
+            count, at = int.from_bytes(chunk[at:at + 2], "little"), at + 2
+        times += [now] * count
+    a, b, c = numpy.frombuffer(chunk[at:], "<u4").reshape(-1, 3).T
+    packed = numpy.stack([a >> 8, a & 0xff | b >> 16 << 8, b & 0xffff | c >> 24 << 16, c & 0xffffff], axis=1).ravel()[:len(times)]
+    return numpy.array(times), packed >> 1 & 0x7ff, packed >> 12, packed & 1
+
+
+with h5py.File(at("a.hdf5")) as file:
+    events, index = file["CD/events"], file["CD/indexes"]
+    assert file.attrs["geometry"] == "346x260" and events.shape == t.shape
+    chunks = [ecf(events.id.read_direct_chunk((begin,))[1]) for begin in range(0, len(t), 16384)]
+    same("Metavision HDF5", *map(numpy.concatenate, zip(*chunks)))
+    firsts = numpy.searchsorted(t - t[0], 2000 * numpy.arange((t[-1] - t[0]) // 2000 + 1))
+    assert (index["id"] == [0, *firsts]).all() and (index["ts"] == [-1, *(t - t[0])[firsts]]).all(), "first event of every 2 ms"
+    assert int(index.attrs["offset"]) == -t[0]
 
 body = pathlib.Path(at("a.aedat")).read_bytes().split(b"() 0\r\n")[1]
 address, stamps = numpy.frombuffer(body, ">u4").reshape(-1, 2).T
