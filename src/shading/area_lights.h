@@ -25,8 +25,8 @@ struct AreaSample {
 };
 
 /// Meshes whose emission is the same all over light others; those with an emission texture only glow. Reads the shot
-/// and the looks, which must outlive it. Safe to use from many threads at once. docs/method.md, "Lights by their
-/// worth".
+/// and the looks, which must outlive it. Safe to use from many threads at once.
+/// docs/method.md, "Lights by their worth".
 class AreaLights {
  public:
   AreaLights(const Shot& shot, const Looks& looks);
