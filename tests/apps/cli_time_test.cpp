@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <sstream>
 
@@ -183,6 +184,27 @@ TEST_F(CliTime, GoesOnWithAPart) {
   write("out.ktime.part", whole);
   EXPECT_THAT(refusal(render, 1), HasSubstr("of another rendering"));
   EXPECT_EQ(read(path("out.ktime")), whole) << "what was there stays";
+}
+
+// Killed at twenty moments, and gone on with each time.
+TEST_F(CliTime, LosesNothingWhenItIsKilled) {
+  if (std::getenv("KAIROS_LONG") == nullptr) GTEST_SKIP() << "takes a while; every prefix of a part is tried elsewhere";
+  const std::string render = std::string(kRender) + "--shutter 0,10 --size 320x200 --time-planes objects --time ";
+  ok(render + "whole.ktime");
+  const std::string part = path("out.ktime.part");
+  size_t left = 0;  // parts of which some tiles are there
+  for (int i = 1; i <= 20; ++i) {
+    const std::string seconds = std::to_string(0.02 + 0.01 * i);
+    const std::string killed = "timeout -s KILL " + seconds + " '" KAIROS_CLI "' " + render + "out.ktime";
+    ASSERT_EQ(std::system(("cd '" + path("") + "' && " + killed + " 2> /dev/null; true").c_str()), 0);
+    if (!exists("out.ktime.part")) continue;
+    const CliResult info = run("info out.ktime.part --json");
+    left += info.status == 0 && json::parse(info.out, nullptr, false).at("tiles_there") > 0;
+  }
+  if (left == 0) GTEST_SKIP() << "this machine is too slow, or too fast";
+  ok(render + "out.ktime");
+  EXPECT_TRUE(read(path("out.ktime")) == read(path("whole.ktime")));
+  EXPECT_FALSE(exists("out.ktime.part"));
 }
 
 /// The numbers of an array of an archive (docs/time.md, "For numpy"), which holds nothing compressed.
