@@ -94,6 +94,25 @@ TEST_F(CliParts, OfSequencesAreFramesOrPiecesOfThem) {
   }
 }
 
+TEST_F(CliParts, OfStandardInputAreRenderedWithOneScene) {
+  ASSERT_EQ(run(std::string(kShot) + "-o whole%d.exr --frames 0-1").status, 0);
+  write("parts", "2/6\n1/6\n6/6\n3/6\n5/6\n4/6\n");  // three pieces of each frame
+  const CliResult result =
+      run("render scene.json --fps 8 --tc-rays 2 --spp 4 -o p%d.exr --frames 0-1 --part - < parts");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.out, read(path("parts")));
+  size_t loaded = 0;
+  for (size_t at = 0; (at = result.err.find("loaded ", at)) != result.err.npos; ++at) ++loaded;
+  EXPECT_EQ(loaded, 4u) << "as often as it is another frame\n" << result.err;
+  ASSERT_EQ(run("merge p%d.exr --frames 0-1 --clean --quiet").status, 0);
+  for (const std::string frame : {"0", "1"}) expect_same("p" + frame + ".exr", "whole" + frame + ".exr");
+  write("parts", "1/6\n7/6\n");
+  const CliResult wrong = run(std::string(kShot) + "-o q%d.exr --frames 0-1 --part - < parts");
+  EXPECT_EQ(wrong.status, 1);
+  EXPECT_EQ(wrong.out, "1/6\n");
+  EXPECT_EQ(wrong.err, "kairos: --part: '7' is not a whole number from 1 to 6\n");
+}
+
 TEST_F(CliParts, AreMergedWhenAllAreThereOnceAndOfOneJob) {
   const auto render = [&](const std::string& part, const std::string& more = "") {
     ASSERT_EQ(run(std::string(kShot) + "-o a.exr --part " + part + more).status, 0);

@@ -1,0 +1,299 @@
+#include "rendering.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <set>
+
+#include <kairos/error.h>
+#include <kairos/files.h>
+#include <kairos/picture.h>
+#include <kairos/render.h>
+#include <kairos/scene_files.h>
+#include <kairos/time_file.h>
+
+#include "checkpoint.h"
+#include "frame_mark.h"
+#include "interrupt.h"
+#include "log.h"
+#include "parts.h"
+#include "render_stats.h"
+#include "report.h"
+#include "time_arguments.h"
+
+namespace kairos::cli {
+
+namespace {
+
+void say(const RenderArguments& arguments, const std::string& line) {
+  if (!arguments.quiet) log(line);
+}
+
+uint64_t total_rays(const RenderParams& params, const Shot& shot) {
+  const Crop crop = params.crop.value_or(Crop{0, shot.projection.width, 0, shot.projection.height});
+  const int per_pixel = params.integrator == IntegratorKind::tc ? params.tc_rays : params.spp;
+  return static_cast<uint64_t>(crop.x1 - crop.x0) * static_cast<uint64_t>(crop.y1 - crop.y0) *
+         static_cast<uint64_t>(per_pixel);
+}
+
+/// Which of how many jobs.
+struct Place {
+  size_t number = 0, count = 1;
+};
+
+/// work: what renders, and tells how far it is.
+void with_progress(const RenderArguments& arguments, Place place, uint64_t rays,
+                   const std::function<void(const Progress&)>& work) {
+  std::unique_ptr<ProgressBar> bar;
+  bool polling = false;
+  const auto progress = [&](double fraction) {
+    if (!polling) begin_polling();  // rendering has begun: before, a signal ends the program at once
+    polling = true;
+    if (!bar && (!arguments.quiet || arguments.progress == ProgressStyle::openjd))
+      bar = std::make_unique<ProgressBar>(static_cast<double>(rays), arguments.progress, place.number, place.count);
+    if (bar) bar->update(fraction);
+    return !interrupted();
+  };
+  try {
+    work(progress);
+    end_polling();
+    if (!interrupted()) return;
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::cancelled) throw;
+  }
+  throw Error(ErrorCode::cancelled, "", "interrupted");
+}
+
+/// What decides the pixels of a job that several runs render.
+std::string mark_of(const RenderArguments& arguments, const RenderFiles& out, const Scene& scene) {
+  const bool several = out.frames || out.part || arguments.checkpoint || !out.time.empty();
+  if (!several) return "";
+  std::vector<std::string> files = kairos::files(scene);
+  if (arguments.sampling.calibration != kDefaultCalibration) files.push_back(arguments.sampling.calibration);
+  if (!arguments.sampling.exposure.map.empty()) files.push_back(arguments.sampling.exposure.map);
+  if (arguments.light.environment) files.push_back(arguments.light.environment->path);
+  return frame_mark(*arguments.command,
+                    {"SCENE", "--output", "--frames", "--stats-file", "--calibration", "--environment",
+                     "--interval-map", "--threads", "--quiet", "--time", "--part", "--checkpoint", "--progress"},
+                    files);
+}
+
+/// Before the scene is loaded, which may take long: can all that is to be written be written?
+void check_writable_files(const RenderFiles& files, const std::vector<FrameJob>& jobs) {
+  const bool again = files.frames || files.part;  // what is there may stay as it is
+  for (const FrameJob& job : jobs) {
+    for (const std::string& path : {job.out, job.time})
+      if (job.part && !path.empty()) make_parts_folder(path);
+    if (!job.out.empty() && !(again && std::filesystem::is_regular_file(job.out))) check_writable_image(job.out);
+    if (!job.stats_file.empty()) check_writable(job.stats_file);
+  }
+}
+
+/// Leaves those that are not done yet. Pictures get their name when they are complete: what is there need not be made
+/// again, unless a disk lost some of it.
+void leave_what_is_there(const RenderArguments& arguments, const RenderFiles& files, const std::string& mark,
+                         std::vector<FrameJob>& jobs) {
+  if (!files.frames && !files.part) return;
+  const size_t count = jobs.size();
+  std::erase_if(jobs, [&](const FrameJob& job) {
+    const bool found = is_there(job, mark);
+    for (const std::string& path : {job.out, job.time})
+      if (!found && job.stats_file.empty() && !path.empty() && std::filesystem::is_regular_file(path))
+        say(arguments, path + " is no whole picture: it is made again");
+    return found;
+  });
+  if (jobs.size() < count)
+    say(arguments,
+        fmt::format("{} of {} {} are there already", count - jobs.size(), count, files.part ? "parts" : "frames"));
+}
+
+/// What is made of the scene for a frame, and kept for its other parts.
+struct Frame {
+  std::optional<double> number;
+  ExposedShot exposed;
+  Shot shot;
+  RenderParams params;  ///< of the whole
+  double seconds = 0;   ///< that making the shot took
+  Renderer renderer;
+
+  Frame(const RenderArguments& arguments, const FrameJob& job, const Scene& scene, const Stopwatch& making)
+      : number(job.shot.frame),
+        exposed(exposed_of(arguments, job, scene)),
+        shot(shot_of(arguments, scene, exposed.options)),
+        params(arguments.sampling.params),
+        renderer(shot) {
+    params.exposure = exposed.exposure(shot);
+    seconds = making.seconds();
+  }
+
+ private:
+  static ExposedShot exposed_of(const RenderArguments& arguments, const FrameJob& job, const Scene& scene) {
+    SceneArguments of_job = arguments.scene;
+    of_job.shot = job.shot;
+    return exposed_shot(of_job, arguments.sampling.exposure, scene);
+  }
+  static Shot shot_of(const RenderArguments& arguments, const Scene& scene, const ShotOptions& options) {
+    Shot shot = make_shot(scene, options);
+    arguments.light.background.apply(shot);
+    return shot;
+  }
+};
+
+/// Does jobs, one after the other, with one scene.
+class Rendering {
+ public:
+  explicit Rendering(const RenderArguments& arguments) : arguments_(arguments) {}
+
+  /// What the files ask for.
+  void run(const RenderFiles& files);
+
+ private:
+  void load(const RenderFiles& files);
+  const Frame& frame_of(const FrameJob& job);
+  void render(const RenderFiles& files, const FrameJob& job, Place place);
+  void render_checkpointed(const Frame& frame, const FrameJob& job, Place place, const WriteOptions& write, int number);
+
+  const RenderArguments& arguments_;
+  std::shared_ptr<const Scene> scene_;
+  std::string mark_;
+  Timings timings_;
+  std::unique_ptr<Frame> frame_;  // of the job before
+  std::set<std::string> told_;    // notes are much the same for every frame
+};
+
+void Rendering::load(const RenderFiles& files) {
+  const Stopwatch loading;
+  scene_ = load_scene(arguments_.scene.paths, arguments_.scene.load);
+  mark_ = mark_of(arguments_, files, *scene_);
+  timings_.load = loading.seconds();
+  for (const std::string& warning : contents(*scene_).warnings) say(arguments_, "warning: " + warning);
+}
+
+const Frame& Rendering::frame_of(const FrameJob& job) {
+  if (frame_ && frame_->number == job.shot.frame) return *frame_;
+  frame_.reset();  // before there is another one
+  frame_ = std::make_unique<Frame>(arguments_, job, *scene_, Stopwatch());
+  const Shot& shot = frame_->shot;
+  const Projection& size = shot.projection;
+  say(arguments_, fmt::format("loaded {} meshes, {} triangles in {:.2f} s; {}x{} pixels, shutter {} to {}",
+                              shot.meshes.size(), triangle_count(shot.meshes), timings_.load + frame_->seconds,
+                              size.width, size.height, shot.shutter_open, shot.shutter_close));
+  if (frame_->exposed.shutter) say(arguments_, shutter_text(*frame_->exposed.shutter, size.width, size.height));
+  for (const std::string& note : shot.notes)
+    if (told_.insert(note).second) say(arguments_, "note: " + note);
+  return *frame_;
+}
+
+void Rendering::render_checkpointed(const Frame& frame, const FrameJob& job, Place place, const WriteOptions& write,
+                                    int number) {
+  MergedPicture merged;
+  with_progress(arguments_, place, total_rays(frame.params, frame.shot), [&](const Progress& progress) {
+    merged = render_with_checkpoints(
+        {frame.shot, frame.params, job.out, mark_, arguments_.command_line, number, write, *arguments_.checkpoint},
+        progress);
+  });
+  write_interruptibly(merged.image, job.out, write);
+  remove_parts(merged.parts, job.out);
+}
+
+void Rendering::render(const RenderFiles& files, const FrameJob& job, Place place) {
+  const Frame& frame = frame_of(job);
+  const Shot& shot = frame.shot;
+  RenderParams params = frame.params;
+  const Crop whole = params.crop.value_or(Crop{0, shot.projection.width, 0, shot.projection.height});
+  if (job.part) params.crop = pixels_of(job, whole);
+  WriteOptions write = arguments_.write;
+  write.view = arguments_.view.choice.value_or(usual_view(shot, params.shading));
+  write.exposure = arguments_.view.exposure;
+  const int number = files.frames ? static_cast<int>(*job.shot.frame) : -1;
+  if (arguments_.checkpoint) return render_checkpointed(frame, job, place, write, number);
+
+  RenderStats stats;
+  std::optional<Picture> picture;
+  std::optional<TimeFileWriter> time;
+  std::vector<PixelConsumer*> consumers;
+  RenderParams of_rays = params;
+  if (!job.out.empty()) consumers.push_back(&picture.emplace(shot.projection, params));
+  if (!job.time.empty()) {
+    of_rays.exposure.reset();  // rays look at all of the time that the file holds
+    const FrameClock clock = clock_of(frame.exposed.options, contents(*scene_));
+    RenderParams of_file = of_rays;  // a part holds some tiles of the whole
+    of_file.crop = whole;
+    TimeFileOptions options = arguments_.time_options;
+    options.clock = clock;
+    options.mark = mark_;
+    time.emplace(job.time, shot, of_file, options);
+    consumers.push_back(&*time);
+    const auto is_cut_out = [](const Material& m) { return m.alpha_mode == Material::AlphaMode::mask; };
+    if (options.geometry && std::any_of(shot.materials.begin(), shot.materials.end(), is_cut_out))
+      say(arguments_, "note: the geometry of '" + job.time +
+                          "' has no cut-outs: flow takes surfaces as whole; kairos flow SCENE does not");
+    if (time->tiles_before() > 0)
+      say(arguments_,
+          fmt::format("{} of {} tiles are in '{}.part' already", time->tiles_before(), time->tiles(), job.time));
+  }
+  with_progress(arguments_, place, total_rays(params, shot),
+                [&](const Progress& progress) { frame_->renderer.render(of_rays, consumers, &stats, progress); });
+  say(arguments_,
+      fmt::format("built in {:.2f} s, rendered {} rays in {:.2f} s ({}rays/s) on {} threads, {}", stats.build_seconds,
+                  stats.rays, stats.render_seconds, with_unit(static_cast<double>(stats.rays) / stats.render_seconds),
+                  stats.threads,
+                  stats.instruction_set ? fmt::format("instruction set {}", to_string(*stats.instruction_set))
+                                        : std::string("Embree")));
+
+  const Stopwatch writing;
+  if (time && job.part) {
+    time->finish_part();
+    say(arguments_, "wrote " + job.time);
+  } else if (time) {
+    time->finish();
+    say(arguments_, time_file_text(job.time));
+  }
+  if (picture) {
+    Image image = picture->take();
+    describe(image, shot, params, stats);
+    image.attributes.push_back({"kairos:command_line", arguments_.command_line});
+    if (job.part)
+      describe_part(image, *job.part, number, mark_, write);
+    else if (files.frames)
+      image.attributes.push_back({kFrameMarkName, mark_});
+    write_interruptibly(image, job.out, job.part ? part_options(files.out, write) : write);
+  }
+  Timings timings = timings_;
+  timings.shot = frame.seconds;
+  timings.write = writing.seconds();
+  if (!job.stats_file.empty()) write_file(job.stats_file, stats_text(params, shot, stats, timings));
+}
+
+void Rendering::run(const RenderFiles& files) {
+  std::vector<FrameJob> jobs = all_jobs(files, arguments_.scene.shot);
+  check_writable_files(files, jobs);
+  if (!scene_) load(files);
+  leave_what_is_there(arguments_, files, mark_, jobs);
+  const Stopwatch rendering;
+  for (size_t i = 0; i < jobs.size(); ++i) {
+    render(files, jobs[i], {i, jobs.size()});
+    const size_t left = jobs.size() - i - 1;
+    const double seconds = rendering.seconds() / static_cast<double>(i + 1) * static_cast<double>(left);
+    const std::string outlook = left ? fmt::format("; {} of {}, {} left", i + 1, jobs.size(), clock_time(seconds)) : "";
+    if (!jobs[i].out.empty()) say(arguments_, fmt::format("wrote {}{}", jobs[i].out, outlook));
+  }
+}
+
+}  // namespace
+
+void run_render(RenderArguments& arguments) {
+  read_calibration_into(arguments.sampling);
+  Rendering rendering(arguments);
+  if (!arguments.parts_from_input) return rendering.run(arguments.files);
+  for (std::string line; std::getline(std::cin, line);) {
+    RenderFiles files = arguments.files;
+    files.part = parse_part("--part", line);
+    rendering.run(files);
+    std::cout << line << std::endl;
+  }
+}
+
+}  // namespace kairos::cli
