@@ -21,7 +21,7 @@ parser.add_argument("--parts", default="4,16")
 parser.add_argument("--repeats", type=int, default=3)
 arguments, options = parser.parse_known_args()
 if not options:
-    options = ["--frame", "24", "--shutter", "0,0.5", "--size", "1920x1080", "--spp", "64"]
+    options = ["--frame", "24", "--shutter", "0,0.5", "--size", "1920x1080", "--spp", "64", "--shading", "normal"]
 
 
 def render(out, *more):

@@ -11,21 +11,22 @@ from mpi4py.futures import MPIPoolExecutor
 
 import kairos
 
-SCENE = sys.argv[1] if len(sys.argv) > 1 else "out/demo.glb"
-FOLDER = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else "out/mpi4py")
 FRAMES = range(24, 28)
 
 
-def render(frame):
-    """One frame on one rank: it loads the scene itself, since scenes do not travel."""
-    shot = kairos.load(SCENE).shot(frame=frame, shutter=(0, 0.5), size=(160, 90))
+def render(scene, folder, frame):
+    """One frame on one rank: it loads the scene itself, since scenes do not travel. All it needs to know are its arguments:
+    other ranks were started otherwise."""
+    shot = kairos.load(scene).shot(frame=frame, shutter=(0, 0.5), size=(160, 90))
     image = shot.render(spp=4, threads=1)
-    image.write(FOLDER / f"frame_{frame:04}.exr")
+    image.write(folder / f"frame_{frame:04}.exr")
     return frame, float(image.rgb.mean())
 
 
 if __name__ == "__main__":
-    FOLDER.mkdir(parents=True, exist_ok=True)
+    scene = sys.argv[1] if len(sys.argv) > 1 else "out/demo.glb"
+    folder = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else "out/mpi4py")
+    folder.mkdir(parents=True, exist_ok=True)
     with MPIPoolExecutor() as ranks:
-        for frame, mean in ranks.map(render, FRAMES, unordered=True):
+        for frame, mean in ranks.starmap(render, [(scene, folder, frame) for frame in FRAMES], unordered=True):
             print(f"frame {frame}: mean {mean:.4f}")

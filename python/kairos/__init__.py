@@ -24,7 +24,7 @@ from . import _kairos
 from ._describe import (Camera, ConstantLight, DirectionalLight, EnvironmentLight, Instance, Light, Material, Mesh,
                         PointLight, SpotLight, Texture)
 from ._errors import Cancelled, Error, FileError, InputError, UsageError
-from ._events import Events, EventSensor, record_events
+from ._events import Events, EventSensor, read_events, record_events
 from ._flow import flow, write_flow
 from ._render import Calibration, Image, Renderer, read_image, render
 from ._scene import Animation, MeshInfo, Scene, Shot, load, make_scene
@@ -48,7 +48,7 @@ __all__ = [
     "Animation", "Calibration", "Camera", "Cancelled", "ConstantLight", "DirectionalLight", "EnvironmentLight", "Error",
     "EventSensor", "Events", "FileError", "Hits", "Image", "InputError", "Instance", "Light", "Material", "Mesh", "MeshInfo", "PointLight",
     "Renderer", "Scene", "Shot", "Shutter", "SpotLight", "Texture", "TimePicture", "Tracer", "UsageError",
-    "flow", "instruction_sets", "load", "make_scene", "open_time", "read_image", "record", "record_events", "render", "write_flow",
+    "flow", "instruction_sets", "load", "make_scene", "open_time", "read_events", "read_image", "record", "record_events", "render", "write_flow",
 ]
 
 for _name in __all__:  # help() and tracebacks name them as their users do

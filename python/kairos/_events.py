@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from typing import Any, Literal, Optional, Union
 
 import numpy.typing as npt
 
 from . import _kairos
+from ._arrays import PathLike
 from ._render import Progress, Shading
 from ._scene import Scene
 
@@ -62,12 +64,34 @@ class Events:
     size: tuple[int, int]
     stats: dict[str, Any]
 
+    def write(self, path: PathLike, *, nanoseconds: bool = False, evt: Literal[2, 3] = 3) -> None:
+        """Writes them as a file of events, as the extension says: .npz, .npy, .txt, .raw, .h5, .aedat4, .aedat or .dat.
+
+        nanoseconds: stamps of .npz and .txt, in place of microseconds and seconds. evt: which EVT a .raw holds. Raises UsageError
+        for another extension, or a sensor that the format has no room for; FileError.
+
+        >>> recorded = record_events(load("demo.glb"), time=(1, 1.01), size=(48, 27))
+        >>> recorded.write("events.npz", nanoseconds=True)
+        >>> bool((read_events("events.npz").events["t"] == recorded.events["t"]).all())
+        True
+        """
+        has_kinds = "kind" in (self.events.dtype.names or ()) and bool((self.events["kind"] > 0).any())
+        values: dict[str, Any] = dict(nanoseconds=nanoseconds, evt=evt, kinds=has_kinds and os.fspath(path).endswith(".npz"))
+        _kairos.write_events(self.events, self.size, os.fspath(path), values)
+
     def __len__(self) -> int:
         """How many events there are."""
         return len(self.events)
 
     def __repr__(self) -> str:
         return f"<Events {self.size[0]}x{self.size[1]}, {len(self)} events>"
+
+
+def read_events(path: PathLike) -> Events:
+    """Reads a file of events: what `kairos events` and Events.write make, and others' of these formats. size is (0, 0) where the
+    file does not say. Raises FileError, or InputError for what is none."""
+    events, size = _kairos.read_events(os.fspath(path))
+    return Events(events, size, {})
 
 
 def record_events(scene: Scene, *, time: Optional[tuple[float, float]] = None, sensor: Union[str, EventSensor] = "ideal",

@@ -85,15 +85,19 @@ class TimePicture:
         raise TypeError("a TimePicture cannot be pickled; open its file in each worker")
 
 
-def record(shot: Shot, *, tolerance: float = 2.0**-14, progress: Optional[Progress] = None, **params: Any) -> TimePicture:
-    """Renders what every pixel shows at every instant, in memory. tolerance: an exposure of a part L of the time is off by
+def record(shot: Shot, *, file: Optional[PathLike] = None, tolerance: float = 2.0**-14, progress: Optional[Progress] = None,
+           **params: Any) -> TimePicture:
+    """Renders what every pixel shows at every instant, in memory; or, with file, into one (.ktime), as `kairos render --time`
+    does: what is stopped leaves FILE.part, and goes on there when it is called again. tolerance: an exposure of a part L of the time is off by
     2 * tolerance / L at most, and what rounding adds; 0: exact. params: as kairos.render takes them, without
-    discrete rays ("qmc"). `kairos render --time` makes a file.
+    discrete rays ("qmc").
 
     >>> record(load("demo.glb").shot(frame=24, shutter=(0, 1), size=(32, 18)), tc_rays=1).quality["missing"]
     0
     """
-    return TimePicture(_kairos.record(shot._held, chosen(params), tolerance, progress))
+    if file is None:
+        return TimePicture(_kairos.record(shot._held, chosen(params), tolerance, progress))
+    return TimePicture(_kairos.record_file(shot._held, chosen(params), tolerance, os.fspath(file), progress))
 
 
 def open_time(path: PathLike) -> TimePicture:

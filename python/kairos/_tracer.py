@@ -17,12 +17,28 @@ from ._render import InstructionSet
 from ._scene import Shot
 
 
+def ray_array(rays: npt.ArrayLike, directions: Optional[npt.ArrayLike]) -> FloatArray:
+    """(N, 6), of rays, or of origins and directions."""
+    if directions is None:
+        return array("rays", rays, np.float32, (-1, 6))
+    origins = array("origins", rays, np.float32, (-1, 3))
+    return np.concatenate([origins, array("directions", directions, np.float32, origins.shape)], axis=1)
+
+
+def window_of(window: Any, rays: int) -> Any:
+    """A pair for all rays as a tuple, each ray's own as an array."""
+    if np.ndim(window) < 2:
+        return tuple(window)
+    return array("window", window, np.float32, (rays, 2))
+
+
 class Tracer:
     """Answers for any ray what is seen along it, and from when to when. Immutable; any number of threads may use it.
 
     meshes: of which key_times go from 0 to 1; or a Shot, made with space="world" for rays in world space. fast: arithmetic in
     float, as for pictures, in place of double. instruction_set: None is the best one. threads: for many rays; 0 is as many
-    as the machine has.
+    as the machine has. cut_outs: of a Shot, surfaces are missing where their materials' alpha is below the cut-off, as leaves
+    are beside what is painted on them; otherwise all are whole. Blended surfaces are in any case.
 
     >>> flying = Mesh([[[-5, -1, 0], [-3, -1, 0], [-4, 1, 0]], [[3, -1, 0], [5, -1, 0], [4, 1, 0]]], [[0, 1, 2]], key_times=[0, 1])
     >>> hits = Tracer([flying]).query([[0, 0, 2, 0, 0, -1]])
@@ -31,33 +47,48 @@ class Tracer:
     """
 
     def __init__(self, meshes: Union[Shot, Sequence[Mesh]], *, fast: bool = False,
-                 instruction_set: Optional[InstructionSet] = None, threads: int = 0) -> None:
+                 instruction_set: Optional[InstructionSet] = None, threads: int = 0, cut_outs: bool = False) -> None:
         options = dict(fast=fast, instruction_set=instruction_set, threads=threads)
         if isinstance(meshes, Shot):
-            self._held = _kairos.Tracer(meshes._held, options)
+            self._held = _kairos.Tracer(meshes._held, dict(options, cut_outs=cut_outs))
+        elif cut_outs:
+            raise UsageError("cut_outs: are known of a Shot alone, whose materials have pictures")
         else:
             self._held = _kairos.Tracer(list(meshes), options)
 
     def query(self, rays: npt.ArrayLike, directions: Optional[npt.ArrayLike] = None, *, all: bool = False,
-              window: tuple[float, float] = (0.0, 1.0), max_dist: float = float("inf")) -> Hits:
+              window: Union[tuple[float, float], npt.NDArray[Any]] = (0.0, 1.0), max_dist: float = float("inf")) -> Hits:
         """What rays see; in parallel, and the same for any number of threads.
 
         rays: (N, 6), origin and direction, float32, which is read where it is if it is contiguous; or origins (N, 3) with
-        directions (N, 3). all: every triangle met, hidden or not. window: only this part of the shutter's time, 0 to 1.
-        max_dist: only so far, in units of the direction's length. A ray that is not finite, or has no direction, sees nothing.
+        directions (N, 3). all: every triangle met, hidden or not. window: only this part of the shutter's time, 0 to 1; or an array
+        (N, 2), each ray's own. max_dist: only so far, in units of the direction's length. A ray that is not finite, or has no direction, sees nothing.
         Ctrl-C is heard when all rays are traced: give some millions at a time.
 
         >>> still = Mesh([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], [[0, 1, 2]])
         >>> Tracer([still]).query([[0, 0, 2]], [[0, 0, -1]]).coverage()
         array([1.], dtype=float32)
         """
-        if directions is None:
-            both = array("rays", rays, np.float32, (-1, 6))
-        else:
-            origins = array("origins", rays, np.float32, (-1, 3))
-            both = np.concatenate([origins, array("directions", directions, np.float32, origins.shape)], axis=1)
-        segments, offsets = self._held.query(both, all, window, max_dist)
+        both = ray_array(rays, directions)
+        segments, offsets = self._held.query(both, all, window_of(window, len(both)), max_dist)
         return Hits(segments, offsets, all)
+
+    def occluded(self, rays: npt.ArrayLike, directions: Optional[npt.ArrayLike] = None, *,
+                 window: Union[tuple[float, float], npt.NDArray[Any]] = (0.0, 1.0),
+                 max_dist: float = float("inf")) -> tuple[npt.NDArray[Any], npt.NDArray[np.int64]]:
+        """When anything is in a ray's way, whatever it is: for shadows and lines of sight. Cheaper than query. Rays, window and
+        max_dist as there; blended surfaces are in nobody's way.
+
+        Returns times, structured (M,) with begin and end, and offsets, int64 (N + 1,): of ray i they are
+        times[offsets[i]:offsets[i + 1]], disjoint and in order.
+
+        >>> flying = Mesh([[[-5, -1, 0], [-3, -1, 0], [-4, 1, 0]], [[3, -1, 0], [5, -1, 0], [4, 1, 0]]], [[0, 1, 2]], key_times=[0, 1])
+        >>> times, offsets = Tracer([flying]).occluded([[0, 0, 2, 0, 0, -1], [0, 9, 2, 0, 0, -1]])
+        >>> times.tolist(), offsets.tolist()
+        ([(0.4375, 0.5625)], [0, 1, 1])
+        """
+        both = ray_array(rays, directions)
+        return self._held.occluded(both, window_of(window, len(both)), max_dist)
 
     @property
     def instruction_set(self) -> str:

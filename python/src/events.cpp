@@ -1,4 +1,5 @@
 // Event cameras: scenes as streams of events.
+#include <kairos/event_file.h>
 #include <kairos/events.h>
 
 #include "bindings.h"
@@ -51,6 +52,12 @@ py::dtype event_type() {
   return {names, formats, offsets, sizeof(Event)};
 }
 
+py::array array_of_events(std::unique_ptr<Collector> collected) {
+  Event* data = collected->events.data();
+  const size_t count = collected->events.size();
+  return {event_type(), {count}, {sizeof(Event)}, data, keeper(std::move(collected))};
+}
+
 py::tuple events(const HeldScene& held, const py::dict& values, py::object callback) {
   EventOptions options;
   options.shot.lights = LightChoice::automatic;
@@ -101,11 +108,46 @@ py::tuple events(const HeldScene& held, const py::dict& values, py::object callb
   f("shading_samples", stats.shading_samples);
   f("cpu_seconds", stats.cpu_seconds);
   f.values["notes"] = stats.notes;
-  Event* data = sink->events.data();
-  const size_t count = sink->events.size();
-  const py::capsule owner = keeper(std::move(sink));
-  return py::make_tuple(py::array(event_type(), {count}, {sizeof(Event)}, data, owner),
-                        py::make_tuple(stats.width, stats.height), f.values);
+  return py::make_tuple(array_of_events(std::move(sink)), py::make_tuple(stats.width, stats.height), f.values);
+}
+
+/// The library's events of an array of its own kind.
+std::span<const Event> events_of(const py::array& array) {
+  if (array.ndim() != 1 || !array.dtype().equal(event_type()))
+    refuse("events", "is no array of events, as Events.events is");
+  if (array.size() > 1 && array.strides(0) != sizeof(Event)) refuse("events", "is not contiguous; copy it");
+  return {static_cast<const Event*>(array.data()), static_cast<size_t>(array.size())};
+}
+
+void write(const py::array& array, std::array<int, 2> size, const std::string& path, const py::dict& values) {
+  EventFileOptions options;
+  Reader reader("Events.write", values);
+  reader("evt", options.evt);
+  reader("kinds", options.kinds);
+  bool nanoseconds = false;
+  reader("nanoseconds", nanoseconds);
+  reader.finish();
+  if (nanoseconds) options.time = EventFileOptions::Time::nanoseconds;
+  const std::span<const Event> events = events_of(array);
+  for (size_t i = 0; i < events.size(); ++i)
+    if (events[i].time < 0 || events[i].x >= size[0] || events[i].y >= size[1] ||
+        (i > 0 && events[i].time < events[i - 1].time))
+      refuse("events", "event " + std::to_string(i) + " lies outside of the sensor, or is earlier than the one before");
+  if (!events.empty()) options.duration = events.back().time + 1;
+  const py::gil_scoped_release unlocked;
+  EventFileWriter file(path, size[0], size[1], options);
+  file.add(events);
+  file.finish();
+}
+
+py::tuple read_file(const std::string& path) {
+  auto sink = std::make_unique<Collector>();
+  EventFileFacts facts;
+  {
+    const py::gil_scoped_release unlocked;
+    facts = read_events(path, *sink);
+  }
+  return py::make_tuple(array_of_events(std::move(sink)), py::make_tuple(facts.width, facts.height));
 }
 
 }  // namespace
@@ -113,6 +155,8 @@ py::tuple events(const HeldScene& held, const py::dict& values, py::object callb
 void bind_events(py::module_& module) {
   module.def("sensor_preset", &sensor_preset);
   module.def("events", &events);
+  module.def("write_events", &write);
+  module.def("read_events", &read_file);
 }
 
 }  // namespace kairos::python

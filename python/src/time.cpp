@@ -26,6 +26,21 @@ TimePicture record(const std::shared_ptr<HeldShot>& held, const py::dict& values
   return film.take();
 }
 
+/// The same, into a file, which is then opened.
+TimePicture record_file(const std::shared_ptr<HeldShot>& held, const py::dict& values, double tolerance,
+                        const std::string& path, py::object callback) {
+  RenderParams params = render_params(*held, values);
+  params.exposure.reset();
+  const Progress progress = progress_of(std::move(callback));
+  const py::gil_scoped_release unlocked;
+  const Shot& shot = held->shot_for(params.shading);
+  TimeFileWriter writer(path, shot, params, {tolerance, {held->frame_time(), held->fps()}, ""});
+  PixelConsumer* const consumers[] = {&writer};
+  Renderer(shot).render(params, consumers, nullptr, progress);
+  writer.finish();
+  return TimeFile::open(path).picture();
+}
+
 ExposeOptions expose_options(bool coverage, py::object callback) {
   ExposeOptions options;
   options.coverage = coverage;
@@ -109,6 +124,7 @@ void bind_time(py::module_& module) {
       .def("signal", &signal)
       .def("about", &about);
   module.def("record", &record);
+  module.def("record_file", &record_file);
   module.def("open_time", [](const std::string& path) {
     const py::gil_scoped_release unlocked;
     return TimeFile::open(path).picture();

@@ -100,6 +100,18 @@ class SameNumbers(unittest.TestCase):
             whole = picture.expose()
             np.testing.assert_allclose(mean[:3], whole.rgb[13, 20], atol=1e-5)
 
+    def test_files_of_time(self):
+        command("render", DEMO, "--time", self.path("a.ktime"), "--frame", 24, "--shutter", "0,1", "--size", "48x40", "--tc-rays", 2,
+                "--quiet")
+        shot = kairos.load(DEMO).shot(frame=24, shutter=(0, 1), size=(48, 40))
+        # Stopped on its way, and called again: what is there is kept, and the file is the same.
+        with self.assertRaises(kairos.Cancelled):
+            kairos.record(shot, file=self.path("b.ktime"), tc_rays=2, threads=1, progress=lambda fraction: fraction < 0.9)
+        self.assertTrue(os.path.exists(self.path("b.ktime.part")) and not os.path.exists(self.path("b.ktime")))
+        kairos.record(shot, file=self.path("b.ktime"), tc_rays=2)
+        one, other = (kairos.open_time(self.path(name)).expose() for name in ("a.ktime", "b.ktime"))
+        np.testing.assert_array_equal(one.rgb, other.rgb)
+
     def test_flow(self):
         command("flow", DEMO, "-o", self.path("a.exr"), "--from", 25, "--to", 24, "--size", "48x27")
         found = kairos.flow(kairos.load(DEMO).shot(frame=24, shutter=(0, 1), size=(48, 27)), backward=True)
@@ -114,6 +126,24 @@ class SameNumbers(unittest.TestCase):
         self.assertGreater(len(recorded), 20)
         for name in "txyp":
             np.testing.assert_array_equal(recorded.events[name], written[name])
+
+    def test_files_of_events(self):
+        recorded = kairos.record_events(kairos.load(DEMO), time=(1, 1.02), size=(48, 27), rays=1, sensor="v2e")
+        for name, tick in (("a.npz", 1000), ("b.raw", 1000), ("c.h5", 1000), ("d.txt", 1)):
+            recorded.write(self.path(name))
+            back = kairos.read_events(self.path(name))
+            self.assertEqual(len(back), len(recorded), name)
+            np.testing.assert_array_equal(back.events["t"], recorded.events["t"] // tick * tick, name)
+            for what in "xyp":
+                np.testing.assert_array_equal(back.events[what], recorded.events[what], name)
+        late = kairos.Events(recorded.events[recorded.events["t"] > 5_000_000], recorded.size, {})
+        late.write(self.path("e.npz"), nanoseconds=True)
+        np.testing.assert_array_equal(kairos.read_events(self.path("e.npz")).events, late.events)
+        for broken in (kairos.Events(recorded.events[::-1], recorded.size, {}), kairos.Events(recorded.events, (10, 10), {}),
+                       kairos.Events(recorded.events["t"], recorded.size, {}), kairos.Events(recorded.events[::2], recorded.size, {})):
+            with self.assertRaises(kairos.UsageError):
+                broken.write(self.path("f.npz"))
+        self.assertFalse(os.path.exists(self.path("f.npz")))
 
     def test_query(self):
         rng = np.random.default_rng()
@@ -172,6 +202,43 @@ class Arrays(unittest.TestCase):
         self.assertEqual(hits.at([0.5, 0.5]).tolist(), [0, -1])
         window = kairos.Tracer([flying()]).query([[0, 0, 2]], [[0, 0, -1]], window=(0.5, 1))
         self.assertEqual(window.segments["begin"].tolist(), [0.5])
+
+    def test_each_ray_has_its_own_window(self):
+        tracer = kairos.Tracer(kairos.load(DEMO).shot(frame=24, shutter=(0, 0.5), space="world"), threads=3)
+        rng = np.random.default_rng()
+        count = 5000
+        rays = np.concatenate([rng.uniform(-4, 4, (count, 3)) + [0, 4, 9], rng.normal(size=(count, 3))], axis=1).astype(np.float32)
+        windows = np.sort(rng.uniform(0, 1, (count, 2)), axis=1).astype(np.float32)
+        windows[windows[:, 0] == windows[:, 1]] = [0, 1]
+        hits = tracer.query(rays, window=windows)
+        times, offsets = tracer.occluded(rays, window=windows)
+        self.assertGreater(len(hits.segments), 200)
+        for i in rng.integers(0, count, 100):
+            alone = tracer.query(rays[i:i + 1], window=tuple(windows[i]))
+            np.testing.assert_array_equal(alone.segments, hits[i])
+        # What hides anything is what is seen: the same times in all.
+        owner = np.repeat(np.arange(count), np.diff(offsets))
+        hidden = np.bincount(owner, times["end"].astype(np.float64) - times["begin"], count)
+        np.testing.assert_allclose(hidden, hits.coverage(), atol=1e-4)
+        for wrong in (windows[:7], windows[:, ::-1], windows + 1):
+            with self.assertRaises(kairos.UsageError):
+                tracer.query(rays, window=wrong)
+
+    def test_surfaces_are_cut_out_where_that_is_asked_for(self):
+        leaf = np.zeros((2, 2, 4), np.uint8)
+        leaf[:, 0] = 255  # its left half
+        material = kairos.Material(base_color_texture=kairos.Texture(leaf, nearest=True), alpha_mode="mask", alpha_cutoff=0.5)
+        card = kairos.Mesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]], uvs=[[0, 1], [1, 1], [1, 0], [0, 0]],
+                           material=material)
+        shot = kairos.make_scene([card], cameras=kairos.Camera.look_at(eye=(0, 0, 5), target=(0, 0, 0))).shot(space="world")
+        rays = [[-0.6, 0.1, 3, 0, 0, -1], [0.6, 0.1, 3, 0, 0, -1]]
+        self.assertEqual(kairos.Tracer(shot).query(rays).coverage().tolist(), [1, 1])
+        tracer = kairos.Tracer(shot, cut_outs=True)
+        del shot
+        self.assertEqual(tracer.query(rays).coverage().tolist(), [1, 0])
+        self.assertEqual(tracer.occluded(rays)[1].tolist(), [0, 1, 1])
+        with self.assertRaises(kairos.UsageError):
+            kairos.Tracer([card], cut_outs=True)
 
     def test_what_is_seen_until_the_end_is_seen_at_the_end(self):
         still = kairos.Mesh(FLYING[1], [[0, 1, 2]])
