@@ -79,7 +79,7 @@ std::string error_text(const EventOptions& options, const EventStats& stats) {
 }
 
 /// What decides the events of a part.
-std::string mark_of(const EventsArguments& arguments, const CLI::App& command, const Scene& scene) {
+std::string mark_of_part(const EventsArguments& arguments, const CLI::App& command, const Scene& scene) {
   std::vector<std::string> files = kairos::files(scene);
   if (arguments.light.environment) files.push_back(arguments.light.environment->path);
   return frame_mark(command, {"SCENE", "--output", "--environment", "--threads", "--quiet", "--part", "--progress"},
@@ -115,7 +115,7 @@ void run_events(const EventsArguments& arguments, const CLI::App& command, const
   for (const std::string& warning : contents(*scene).warnings) say("warning: " + warning);
   std::string mark;
   if (arguments.part) {
-    mark = mark_of(arguments, command, *scene);
+    mark = mark_of_part(arguments, command, *scene);
     if (const auto there = event_part_mark(paths.front()); there == mark)
       return say(paths.front() + " is there already");
     else if (there)

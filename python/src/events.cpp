@@ -119,7 +119,7 @@ std::span<const Event> events_of(const py::array& array) {
   return {static_cast<const Event*>(array.data()), static_cast<size_t>(array.size())};
 }
 
-void write(const py::array& array, std::array<int, 2> size, const std::string& path, const py::dict& values) {
+void write_stream(const py::array& array, std::array<int, 2> size, const std::string& path, const py::dict& values) {
   EventFileOptions options;
   Reader reader("Events.write", values);
   reader("evt", options.evt);
@@ -155,7 +155,7 @@ py::tuple read_file(const std::string& path) {
 void bind_events(py::module_& module) {
   module.def("sensor_preset", &sensor_preset);
   module.def("events", &events);
-  module.def("write_events", &write);
+  module.def("write_events", &write_stream);
   module.def("read_events", &read_file);
 }
 
