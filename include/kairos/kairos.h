@@ -91,7 +91,10 @@ typedef struct kairos_mesh {
   const float* key_times;        /* [key_count], of a single key NULL; for a tracer ascending from 0 to 1 */
   const float* const* positions; /* [key_count], each the first of vertex_count times x, y, z */
   size_t stride;                 /* bytes from vertex to vertex; 0: three floats */
-  int32_t one_sided;             /* a triangle is there only from its front */
+  int32_t one_sided;             /* a triangle is there only from its front; in scenes materials say so */
+  /* Of a scene; of no concern to a tracer. */
+  const float* const* normals; /* NULL, or [key_count], each vertex_count times x, y, z */
+  const float* uvs;            /* NULL, or [vertex_count][2]; (0, 0) is a picture's upper left corner */
 } kairos_mesh;
 
 /* Where surfaces are missing. Called from many threads at once; may not throw, nor call back into Kairos. */
@@ -172,6 +175,60 @@ typedef struct kairos_load_options {
 KAIROS_API kairos_status kairos_load(const char* const* paths, size_t path_count, const kairos_load_options* options,
                                      kairos_scene** out);
 
+/* ---- Scenes from memory ---- */
+
+enum {
+  KAIROS_OPAQUE = 0,
+  KAIROS_MASK = 1, /* missing where alpha is below the cut-off */
+  KAIROS_BLEND = 2
+};
+
+/* Colours are linear Rec. 709. Not all defaults are zero: kairos_material_init sets them. */
+typedef struct kairos_material {
+  uint32_t struct_size;
+  int32_t one_sided, unlit;
+  int32_t alpha_mode; /* KAIROS_OPAQUE, ... */
+  const char* name;
+  const char* base_color_picture; /* a file that multiplies base_color, and its alpha `alpha`; NULL: none */
+  float base_color[3], emission[3];
+  float metallic, roughness, transmission, ior;
+  float alpha, alpha_cutoff;
+} kairos_material;
+/* A grey surface. struct_size: the struct's sizeof. */
+KAIROS_API kairos_status kairos_material_init(kairos_material* material, uint32_t struct_size);
+
+typedef struct kairos_camera {
+  uint32_t struct_size;
+  int32_t orthographic;
+  const char* name;
+  double vfov_degrees, view_height; /* perspective; orthographic, world units. 0: 45, 2 */
+  size_t key_count;                 /* 0 stands for 1 */
+  const double* key_times;          /* [key_count] seconds, ascending; of a single key NULL */
+  const double* to_world;           /* [key_count][4][4], row by row; the camera looks along -z, y up */
+} kairos_camera;
+
+enum { KAIROS_POINT_LIGHT = 0, KAIROS_SPOT_LIGHT = 1, KAIROS_DIRECTIONAL_LIGHT = 2, KAIROS_CONSTANT_LIGHT = 3 };
+typedef struct kairos_light {
+  uint32_t struct_size;
+  int32_t kind;
+  float position[3], direction[3]; /* direction: in which the light travels */
+  float brightness[3];             /* intensity, of a directional light irradiance, of a constant one radiance */
+  float cos_inner, cos_outer;      /* of a spot: up to where it is full, from where there is none */
+} kairos_light;
+
+/* What the pointers lead to is copied. Meshes' key_times are seconds, and may be any that ascend. */
+typedef struct kairos_scene_description {
+  uint32_t struct_size;
+  const kairos_mesh* meshes;
+  const kairos_material* materials; /* none: a grey one */
+  const kairos_camera* cameras;     /* none: one that frames everything */
+  const kairos_light* lights;
+  size_t mesh_count, material_count, camera_count, light_count;
+  float background[3];
+  double fps; /* frames per second, in which a shot's times are given; 0: 24 */
+} kairos_scene_description;
+KAIROS_API kairos_status kairos_make_scene(const kairos_scene_description* description, kairos_scene** out);
+
 typedef struct kairos_shot_options {
   uint32_t struct_size;
   int32_t has_frame, has_shutter;     /* 1: the members below count */
@@ -184,6 +241,13 @@ typedef struct kairos_shot_options {
   const char* camera;                 /* name or index; NULL: the first, or one that frames everything */
   const char* lights;                 /* "auto", "file", "studio" or "none"; NULL: auto */
   int32_t strict, threads;
+  /* A picture of all that is far away, by latitude and longitude (HDR or EXR); NULL: the scene's own. */
+  const char* environment;
+  double environment_rotation; /* degrees, counter-clockwise seen from above */
+  double environment_strength; /* what it is multiplied by; 0: 1 */
+  int32_t transparent;         /* 1: nothing is seen beyond everything, and pictures have a channel "A" */
+  int32_t has_background;      /* 1: the colour below is seen there in place of the environment */
+  float background[3];
 } kairos_shot_options;
 
 KAIROS_API kairos_status kairos_make_shot(const kairos_scene* scene, const kairos_shot_options* options,
@@ -220,6 +284,15 @@ KAIROS_API kairos_status kairos_image_size(const kairos_image* image, int32_t* w
 KAIROS_API kairos_status kairos_image_channel(const kairos_image* image, const char* name, const float** values);
 /* EXR or PNG, as the extension says; whole or not at all. */
 KAIROS_API kairos_status kairos_write_image(const kairos_image* image, const char* path);
+
+typedef struct kairos_write_options {
+  uint32_t struct_size;
+  int32_t half;     /* 16-bit colours in EXR */
+  double exposure;  /* stops by which a PNG is brighter */
+  const char* view; /* how a PNG shows colours: "standard" or "filmic"; NULL: as suits the picture */
+} kairos_write_options;
+KAIROS_API kairos_status kairos_write_image_as(const kairos_image* image, const char* path,
+                                               const kairos_write_options* options);
 
 #ifdef __cplusplus
 }

@@ -64,6 +64,19 @@ T taken(const T* given, const char* name) {
   return out;
 }
 
+/// Calls use(element) for an array of a program's structs, which may be shorter or longer than this header's.
+template <class T, class Use>
+void for_each(const T* given, size_t count, const char* name, const Use& use) {
+  if (count == 0) return;
+  const size_t step = needed(given, name).struct_size;
+  if (step % alignof(T) != 0) refuse(name, "has a struct_size that is no struct's");
+  const auto* at = reinterpret_cast<const std::byte*>(given);
+  for (size_t i = 0; i < count; ++i) use(*reinterpret_cast<const T*>(at + i * step));
+}
+
+/// Vertices, keys and triangles.
+Mesh mesh_of(const kairos_mesh& given);
+
 /// Leaves `out` as it is for NULL.
 inline void take(const char* given, std::string& out) {
   if (given != nullptr) out = given;
@@ -89,4 +102,5 @@ struct kairos_shot : kairos::c_interface::Counted {
   kairos::Shot shot;
   /// Of an automatic choice of lights: the same without those that were lent, for shadings that need none.
   std::unique_ptr<const kairos::Shot> unlit;
+  bool transparent = false;
 };

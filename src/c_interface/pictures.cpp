@@ -40,7 +40,17 @@ ShotOptions options_of(const kairos_shot_options* given) {
   options.threads = from.threads;
   options.lights = LightChoice::automatic;
   take("lights", from.lights, options.lights);
+  if (from.environment != nullptr)
+    options.environment = EnvironmentPicture{from.environment, from.environment_rotation,
+                                             from.environment_strength != 0 ? from.environment_strength : 1};
   return options;
+}
+
+/// What is seen beyond everything.
+void apply_background(const kairos_shot_options& from, Shot& shot) {
+  const auto& colour = from.background;
+  if (from.has_background != 0) shot.backdrop = Vec3f{colour[0], colour[1], colour[2]};
+  if (from.transparent != 0) shot.backdrop = Vec3f{};
 }
 
 void add_aovs(const std::string& names, std::vector<Aov>& aovs) {
@@ -122,12 +132,17 @@ kairos_status kairos_make_shot(const kairos_scene* scene, const kairos_shot_opti
     needed(out, "out");
     const kairos::Scene& of = *needed(scene, "scene").scene;
     kairos::ShotOptions made_with = options_of(options);
+    const kairos_shot_options from = taken(options, "options");
     auto made = std::make_unique<kairos_shot>();
     made->shot = kairos::make_shot(of, made_with);
+    made->transparent = from.transparent != 0;
+    apply_background(from, made->shot);
     if (made_with.lights == kairos::LightChoice::automatic &&
         made->shot.lights.size() > kairos::contents(of).lights.size()) {
       made_with.lights = kairos::LightChoice::file;
-      made->unlit = std::make_unique<const kairos::Shot>(kairos::make_shot(of, made_with));
+      kairos::Shot unlit = kairos::make_shot(of, made_with);
+      apply_background(from, unlit);
+      made->unlit = std::make_unique<const kairos::Shot>(std::move(unlit));
     }
     *out = made.release();
   });
@@ -161,7 +176,8 @@ kairos_status kairos_render(kairos_renderer* renderer, const kairos_render_param
                             void* user, kairos_image** out) {
   return guarded([&] {
     needed(out, "out");
-    const kairos::RenderParams with = params_of(params);
+    kairos::RenderParams with = params_of(params);
+    with.alpha = needed(renderer, "renderer").shot->transparent;
     kairos::Progress told;
     if (progress != nullptr) told = [&](double fraction) { return progress(user, fraction) != 0; };
     auto made = std::make_unique<kairos_image>();
@@ -190,10 +206,18 @@ kairos_status kairos_image_channel(const kairos_image* image, const char* name, 
 }
 
 kairos_status kairos_write_image(const kairos_image* image, const char* path) {
+  return kairos_write_image_as(image, path, nullptr);
+}
+
+kairos_status kairos_write_image_as(const kairos_image* image, const char* path, const kairos_write_options* options) {
   return guarded([&] {
-    kairos::WriteOptions options;
-    options.view = needed(image, "image").view;
-    kairos::write_image(image->image, &needed(path, "path"), options);
+    const kairos_write_options from = taken(options, "options");
+    kairos::WriteOptions write;
+    write.view = needed(image, "image").view;
+    take("view", from.view, write.view);
+    write.half = from.half != 0;
+    write.exposure = from.exposure;
+    kairos::write_image(image->image, &needed(path, "path"), write);
   });
 }
 

@@ -61,34 +61,6 @@ class ForeignCutOuts : public CutOuts {
   kairos_cut_outs functions_;
 };
 
-Mesh mesh_of(const kairos_mesh& given) {
-  const kairos_mesh from = taken(&given, "mesh");
-  Mesh mesh;
-  take(from.name, mesh.name);
-  const size_t keys = std::max<size_t>(from.key_count, 1);
-  const size_t stride = from.stride == 0 ? sizeof(Vec3f) : from.stride;
-  if (stride < sizeof(Vec3f) || stride % alignof(float) != 0)
-    refuse("mesh", "has a stride that is not 12 bytes or more, in fours");
-  if (from.triangle_count > 0) needed(from.triangles, "triangles");
-  mesh.triangles.resize(from.triangle_count);
-  if (from.triangle_count > 0)
-    std::memcpy(mesh.triangles.data(), from.triangles, from.triangle_count * sizeof(Triangle));
-  if (keys > 1) mesh.key_times.assign(&needed(from.key_times, "key_times"), from.key_times + keys);
-  needed(from.positions, "positions");
-  for (size_t k = 0; k < keys; ++k) {
-    const auto* vertex = reinterpret_cast<const std::byte*>(from.positions[k]);
-    if (from.vertex_count > 0) needed(vertex, "positions");
-    std::vector<Vec3f>& key = mesh.positions.emplace_back(from.vertex_count);
-    for (Vec3f& position : key) {
-      std::memcpy(&position, vertex, sizeof(Vec3f));
-      vertex += stride;
-    }
-  }
-  mesh.material = from.material;
-  mesh.one_sided = from.one_sided != 0;
-  return mesh;
-}
-
 TracerOptions options_of(const kairos_tracer_options* given) {
   const kairos_tracer_options from = taken(given, "options");
   TracerOptions options;
@@ -117,6 +89,34 @@ TraceLimits limits_of(const kairos_limits* limits) {
 
 }  // namespace
 
+Mesh mesh_of(const kairos_mesh& given) {
+  const kairos_mesh from = taken(&given, "mesh");
+  Mesh mesh;
+  take(from.name, mesh.name);
+  const size_t keys = std::max<size_t>(from.key_count, 1);
+  const size_t stride = from.stride == 0 ? sizeof(Vec3f) : from.stride;
+  if (stride < sizeof(Vec3f) || stride % alignof(float) != 0)
+    refuse("mesh", "has a stride that is not 12 bytes or more, in fours");
+  if (from.triangle_count > 0) needed(from.triangles, "triangles");
+  mesh.triangles.resize(from.triangle_count);
+  if (from.triangle_count > 0)
+    std::memcpy(mesh.triangles.data(), from.triangles, from.triangle_count * sizeof(Triangle));
+  if (keys > 1) mesh.key_times.assign(&needed(from.key_times, "key_times"), from.key_times + keys);
+  needed(from.positions, "positions");
+  for (size_t k = 0; k < keys; ++k) {
+    const auto* vertex = reinterpret_cast<const std::byte*>(from.positions[k]);
+    if (from.vertex_count > 0) needed(vertex, "positions");
+    std::vector<Vec3f>& key = mesh.positions.emplace_back(from.vertex_count);
+    for (Vec3f& position : key) {
+      std::memcpy(&position, vertex, sizeof(Vec3f));
+      vertex += stride;
+    }
+  }
+  mesh.material = from.material;
+  mesh.one_sided = from.one_sided != 0;
+  return mesh;
+}
+
 }  // namespace kairos::c_interface
 
 using namespace kairos::c_interface;
@@ -133,14 +133,8 @@ kairos_status kairos_make_tracer(const kairos_mesh* meshes, size_t mesh_count, c
                                  kairos_tracer** out) {
   return guarded([&] {
     needed(out, "out");
-    if (mesh_count > 0) needed(meshes, "meshes");
-    // An array of a program's structs, which may be shorter or longer than this header's.
-    const size_t step = mesh_count > 0 ? meshes->struct_size : 0;
-    if (step % alignof(kairos_mesh) != 0) refuse("mesh", "has a struct_size that is no struct's");
     std::vector<kairos::Mesh> made;
-    const auto* at = reinterpret_cast<const std::byte*>(meshes);
-    for (size_t i = 0; i < mesh_count; ++i)
-      made.push_back(mesh_of(*reinterpret_cast<const kairos_mesh*>(at + i * step)));
+    for_each(meshes, mesh_count, "meshes", [&](const kairos_mesh& mesh) { made.push_back(mesh_of(mesh)); });
     *out = new kairos_tracer(kairos::Tracer(made, options_of(options)));
   });
 }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <kairos/kairos.h>
+#include <kairos/make_scene.h>
 #include <kairos/names.h>
 #include <kairos/render.h>
 
@@ -157,8 +158,8 @@ TEST(CInterface, StructsOfOtherLengths) {
 // What programs were compiled with. Members are added at the end; whoever changes a line of this breaks them.
 TEST(CInterface, LayoutsStay) {
   EXPECT_THAT((std::vector<size_t>{offsetof(kairos_mesh, triangles), offsetof(kairos_mesh, stride),
-                                   offsetof(kairos_mesh, one_sided)}),
-              ElementsAre(40, 64, 72));
+                                   offsetof(kairos_mesh, one_sided), offsetof(kairos_mesh, uvs)}),
+              ElementsAre(40, 64, 72, 88));
   EXPECT_THAT((std::vector<size_t>{offsetof(kairos_cut_outs, user), offsetof(kairos_cut_outs, solid)}),
               ElementsAre(8, 32));
   EXPECT_THAT(
@@ -173,6 +174,142 @@ TEST(CInterface, LayoutsStay) {
               ElementsAre(64, 88));
   EXPECT_THAT((std::vector<size_t>{sizeof(kairos_ray), sizeof(kairos_segment), sizeof(kairos_limits)}),
               ElementsAre(24, 28, 12));
+}
+
+/// The camera's placement: at z = 5, looking along -z.
+constexpr double kToWorld[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 5, 0, 0, 0, 1};
+
+TEST(CInterface, ScenesFromMemoryAreThoseOfCpp) {
+  const float left[9] = {-2, -1, 0, 0, -1, 0, -1, 1, 0}, right[9] = {0, -1, 0, 2, -1, 0, 1, 1, 0};
+  const float* const keys[2] = {left, right};
+  const float normals[9] = {0, 0, 1, 0, 1, 1, 1, 0, 1};
+  const float* const normal_keys[2] = {normals, normals};
+  const float times[2] = {0.5f, 2}, uvs[6] = {0, 0, 1, 0, 0, 1};
+  const uint32_t corners[3] = {0, 1, 2};
+  // As a program of tomorrow has them: with members that nobody knows yet.
+  struct Longer {
+    kairos_mesh known;
+    char future[8];
+  } meshes[2]{};
+  for (Longer& mesh : meshes) {
+    mesh.known.struct_size = sizeof(Longer);
+    mesh.known.triangle_count = 1;
+    mesh.known.vertex_count = 3;
+    mesh.known.triangles = corners;
+    mesh.known.key_count = 2;
+    mesh.known.key_times = times;
+    mesh.known.positions = keys;
+    mesh.known.normals = normal_keys;
+    mesh.known.uvs = uvs;
+  }
+  meshes[1].known.material = 1;
+  kairos_material materials[2];
+  for (kairos_material& material : materials) ASSERT_EQ(kairos_material_init(&material, sizeof(material)), KAIROS_OK);
+  materials[1].base_color[0] = 1;
+  materials[1].emission[2] = 0.5f;
+  kairos_camera camera{};
+  camera.struct_size = sizeof(camera);
+  camera.to_world = kToWorld;
+  camera.vfov_degrees = 40;
+  kairos_light lights[2]{};
+  for (kairos_light& light : lights) light.struct_size = sizeof(light);
+  lights[0].kind = KAIROS_DIRECTIONAL_LIGHT;
+  lights[1].kind = KAIROS_POINT_LIGHT;
+  for (int i = 0; i < 3; ++i) {
+    lights[0].direction[i] = -1;
+    lights[0].brightness[i] = 2;
+    lights[1].position[i] = 3;
+    lights[1].brightness[i] = 20;
+  }
+  kairos_scene_description description{};
+  description.struct_size = sizeof(description);
+  description.meshes = &meshes[0].known;
+  description.mesh_count = 2;
+  description.materials = materials;
+  description.material_count = 2;
+  description.cameras = &camera;
+  description.camera_count = 1;
+  description.lights = lights;
+  description.light_count = 2;
+  description.background[1] = 0.25f;
+  description.fps = 1;
+
+  SceneDescription same;
+  for (uint32_t i = 0; i < 2; ++i)
+    same.meshes.push_back({"",
+                           {{0, 1, 2}},
+                           {0.5, 2},
+                           {{{-2, -1, 0}, {0, -1, 0}, {-1, 1, 0}}, {{0, -1, 0}, {2, -1, 0}, {1, 1, 0}}},
+                           {2, {{0, 0, 1}, {0, 1, 1}, {1, 0, 1}}},
+                           {{0, 0}, {1, 0}, {0, 1}},
+                           {},
+                           {},
+                           i});
+  same.materials.resize(2);
+  same.materials[1].base_color.x = 1;
+  same.materials[1].emission.z = 0.5f;
+  same.cameras.resize(1);
+  same.cameras[0].vfov = 40 * 3.14159265358979323846 / 180;
+  same.cameras[0].keys = {{0, {0, 0, 5}, {0, 0, 4}, {0, 1, 0}}};
+  same.lights = {DirectionalLight{{-1, -1, -1}, {2, 2, 2}}, PointLight{{3, 3, 3}, {20, 20, 20}}};
+  same.background = {0, 0.25f, 0};
+  same.fps = 1;
+
+  kairos_scene* scene = nullptr;
+  ASSERT_EQ(kairos_make_scene(&description, &scene), KAIROS_OK) << kairos_last_error();
+  for (const bool transparent : {false, true}) {
+    kairos_shot_options options{};
+    options.struct_size = sizeof(options);
+    options.width = options.height = 24;
+    options.has_frame = options.has_shutter = 1;
+    options.shutter_close = 2;
+    options.transparent = transparent;
+    options.has_background = !transparent;
+    options.background[2] = 0.75f;
+    kairos_shot* shot = nullptr;
+    kairos_renderer* renderer = nullptr;
+    kairos_image* image = nullptr;
+    ASSERT_EQ(kairos_make_shot(scene, &options, &shot), KAIROS_OK) << kairos_last_error();
+    ASSERT_EQ(kairos_make_renderer(shot, &renderer), KAIROS_OK);
+    kairos_render_params params{};
+    params.struct_size = sizeof(params);
+    params.spp = 4;
+    ASSERT_EQ(kairos_render(renderer, &params, nullptr, nullptr, &image), KAIROS_OK) << kairos_last_error();
+
+    ShotOptions of_shot;
+    of_shot.width = of_shot.height = 24;
+    of_shot.frame = 0;
+    of_shot.shutter = {0, 2};
+    of_shot.lights = LightChoice::automatic;
+    Shot expected = make_shot(*make_scene(same), of_shot);
+    expected.backdrop = transparent ? Vec3f{} : Vec3f{0, 0, 0.75f};
+    RenderParams with;
+    with.spp = 4;
+    with.shading = ShadingKind::whitted;
+    with.alpha = transparent;
+    const Image picture = render(expected, with);
+    EXPECT_EQ(picture.channels.size(), transparent ? 4u : 3u);
+    for (const Channel& channel : picture.channels) {
+      const float* values = nullptr;
+      ASSERT_EQ(kairos_image_channel(image, channel.name.c_str(), &values), KAIROS_OK) << channel.name;
+      EXPECT_EQ(std::vector(values, values + 24 * 24), channel.values) << channel.name;
+    }
+    kairos_image_release(image);
+    kairos_renderer_release(renderer);
+    kairos_shot_release(shot);
+  }
+  kairos_scene_release(scene);
+
+  lights[1].kind = 9;
+  EXPECT_EQ(kairos_make_scene(&description, &scene), KAIROS_BAD_USAGE);
+  EXPECT_THAT(kairos_last_error(), HasSubstr("KAIROS_POINT_LIGHT"));
+  lights[1].kind = KAIROS_POINT_LIGHT;
+  meshes[1].known.material = 2;
+  EXPECT_EQ(kairos_make_scene(&description, &scene), KAIROS_BAD_INPUT);
+  camera.to_world = nullptr;
+  EXPECT_EQ(kairos_make_scene(&description, &scene), KAIROS_BAD_USAGE);
+  EXPECT_EQ(kairos_make_scene(nullptr, &scene), KAIROS_BAD_USAGE);
+  EXPECT_EQ(kairos_material_init(materials, 4096), KAIROS_BAD_USAGE);
 }
 
 TEST(CInterface, ErrorsAreStatusesAndALineOfTheThread) {
