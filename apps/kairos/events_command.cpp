@@ -82,6 +82,8 @@ std::string error_text(const EventOptions& options, const EventStats& stats) {
 std::string mark_of_part(const EventsArguments& arguments, const CLI::App& command, const Scene& scene) {
   std::vector<std::string> files = kairos::files(scene);
   if (arguments.light.environment) files.push_back(arguments.light.environment->path);
+  for (const std::string& sensor : command.get_option("--sensor")->results())
+    if (sensor.ends_with(".json")) files.push_back(sensor);
   return frame_mark(command, {"SCENE", "--output", "--environment", "--threads", "--quiet", "--part", "--progress"},
                     files);
 }

@@ -64,7 +64,7 @@ class Events:
     size: tuple[int, int]
     stats: dict[str, Any]
 
-    def write(self, path: PathLike, *, nanoseconds: bool = False, evt: Literal[2, 3] = 3) -> None:
+    def write(self, path: PathLike, *, nanoseconds: bool = False, evt: Literal["2", "2.1", "3"] = "3") -> None:
         """Writes them as a file of events, as the extension says: .npz, .npy, .txt, .raw, .h5, .aedat4, .aedat or .dat.
 
         nanoseconds: stamps of .npz and .txt, in place of microseconds and seconds. evt: which EVT a .raw holds. Raises UsageError

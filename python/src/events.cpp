@@ -122,7 +122,14 @@ std::span<const Event> events_of(const py::array& array) {
 void write_stream(const py::array& array, std::array<int, 2> size, const std::string& path, const py::dict& values) {
   EventFileOptions options;
   Reader reader("Events.write", values);
-  reader("evt", options.evt);
+  std::string evt = "3";
+  reader("evt", evt);
+  if (evt == "2")
+    options.evt = EventFileOptions::Evt::evt2;
+  else if (evt == "2.1")
+    options.evt = EventFileOptions::Evt::evt21;
+  else if (evt != "3")
+    refuse("evt", "'" + evt + "' is not one of: 2, 2.1, 3");
   reader("kinds", options.kinds);
   bool nanoseconds = false;
   reader("nanoseconds", nanoseconds);

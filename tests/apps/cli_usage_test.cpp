@@ -169,6 +169,7 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--pixel", "3,4"},
                                                        {"--time", "t.ktime"},
                                                        {"--time-tolerance", "exact --time u.ktime"},
+                                                       {"--time-planes", "objects --time v.ktime"},
                                                        {"--json", ""}};
   const std::set<std::string> of_rays = {"--rays", "--all", "--occluded", "--window", "--max-dist"};
   write("rays.txt", "0 0 0 0 0 -1\n");
