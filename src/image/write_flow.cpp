@@ -18,7 +18,7 @@ namespace {
 constexpr float kFloTag = 202021.25f;  // whose bytes are "PIEH"
 constexpr float kFloUnknown = 1e10f;   // readers take what is above 1e9 for unknown
 // KITTI's codes: 64 a pixel, from -512 on.
-constexpr double kCodesPerPixel = 64, kCodeOfZero = 32768, kMostCode = 65535;
+constexpr double kCodesPerPixel = 64, kCodeOfZero = 32768, kMostFlowCode = 65535;
 
 struct FlowChannels {
   const std::vector<float>&u, &v, &state;
@@ -58,7 +58,7 @@ std::vector<uint8_t> kitti_bytes(const Image& image, const FlowChannels& flow, c
   for (size_t i = 0; i < flow.u.size(); ++i) {
     const double u = std::round(static_cast<double>(flow.u[i]) * kCodesPerPixel) + kCodeOfZero,
                  v = std::round(static_cast<double>(flow.v[i]) * kCodesPerPixel) + kCodeOfZero;
-    const bool valid = flow.known(i) && std::min(u, v) >= 0 && std::max(u, v) <= kMostCode;
+    const bool valid = flow.known(i) && std::min(u, v) >= 0 && std::max(u, v) <= kMostFlowCode;
     add(valid ? u : 0);
     add(valid ? v : 0);
     add(valid ? 1 : 0);
