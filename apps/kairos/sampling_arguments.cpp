@@ -16,10 +16,11 @@ void add_sampling_options(CLI::App& app, SamplingArguments& out) {
             "Rays per pixel of tc, and of mixed where anything moves");
   add_count(app, "--shading-samples", params.shading_samples, 1, kMostShadingSamples,
             "Shading samples per time-continuous ray");
-  add_choice(app, "--clusters", params.clusters,
-             "What is shaded as one. on: triangles that follow on each other smoothly; pixel: a triangle, over a "
-             "pixel's rays; "
-             "off: nothing. auto: on for whitted, pixel for the others");
+  add_choice(
+      app, "--clusters", params.clusters,
+      "What is shaded as one. on: triangles that follow on each other smoothly; pixel (auto): a triangle, over a "
+      "pixel's rays, or for "
+      "whitted all that they see; off: nothing");
   add_count(app, "--spp", params.spp, 1, kMostSamples,
             "Samples per pixel of qmc; of mixed: discrete rays; of auto: the budget");
   add_choice(app, "--sampler", params.sampler, "Where in the pixel, and when, samples are taken");

@@ -40,9 +40,9 @@ enum class ShadingKind {
 };
 /// What gets a shading sample of its own along a time-continuous ray.
 enum class Clusters {
-  automatic,  ///< on where shading costs more than tracing: whitted; pixel for the others
+  automatic,  ///< pixel; of lit pictures where blended surfaces are seen, on
   on,         ///< each cluster: segments that touch, of triangles that join smoothly
-  pixel,      ///< each triangle, for all rays of the pixel that are traced together
+  pixel,      ///< all rays of a pixel that are traced together: each triangle, or lit all they see
   off,        ///< each segment
 };
 enum class FilterKind {
@@ -99,8 +99,8 @@ struct RayPrices {
 struct RenderParams {
   IntegratorKind integrator = IntegratorKind::automatic;
   int tc_rays = 16;         ///< tc: rays per pixel; mixed: the same, where anything moves; 1 to 2^20
-  int shading_samples = 8;  ///< per time-continuous ray, over its segments by duration, at least one in each cluster
-                            ///< (and no more where nothing changes); 1 to 2^16
+  int shading_samples = 8;  ///< per time-continuous ray, over its segments by duration; with `on` and `off` at least
+                            ///< one in each cluster (and no more where nothing changes); 1 to 2^16
   /// Scene time over which a ray takes its shading samples: shots that follow each other go on with the same random
   /// numbers if they have it in common. 0: while the shutter is open.
   double shading_interval = 0;

@@ -28,6 +28,7 @@ class RecordBuilder {
     surfaces_.clear();
   }
 
+  bool keeps_surfaces() const { return surfaces_wanted_; }  ///< normals and albedo
   uint32_t part_count() const { return static_cast<uint32_t>(parts_.size()); }
   uint32_t knot_count() const { return static_cast<uint32_t>(knots_.size()); }
   std::span<const PixelRay> rays() const { return rays_; }

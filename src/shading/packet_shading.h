@@ -10,6 +10,7 @@
 
 #include "math/hash.h"
 #include "pixel/record_builder.h"
+#include "shading/listed_shading.h"
 #include "shading/segment_shading.h"
 #include "shading/shader.h"
 #include "shading/spread.h"
@@ -20,7 +21,7 @@ namespace kairos {
 class PacketShading {
  public:
   PacketShading(const Shader& shader, const ShadingOptions& options)
-      : shader_(shader), options_(options), single_(shader, options) {}
+      : shader_(shader), options_(options), single_(shader, of_single_rays(shader, options)), listed_(shader) {}
 
   /// The rays of a pixel that are shaded together, as they were traced together.
   struct Packet {
@@ -35,9 +36,14 @@ class PacketShading {
   /// Appends the parts of all rays' segments to `out`, ray by ray, and for each ray to `ends` the number of parts after
   /// it. The parts of a ray cover exactly what its segments cover, and each is part of one of them.
   void shade(const Packet& packet, RecordBuilder& out, std::vector<uint32_t>& ends) {
-    const bool layered = shader_.has_sky() || std::any_of(packet.seen.begin(), packet.seen.end(),
-                                                          [](const SeenByRay& ray) { return !ray.blended.empty(); });
-    if (options_.clusters == Clusters::pixel && !layered) return shade_together(packet, out, ends);
+    const bool blended =
+        std::any_of(packet.seen.begin(), packet.seen.end(), [](const SeenByRay& ray) { return !ray.blended.empty(); });
+    if (options_.clusters == Clusters::pixel && !blended && (shader_.is_lit() || !shader_.has_sky())) {
+      if (!shader_.is_lit()) return shade_together(packet, out, ends);
+      evaluations_ += listed_.shade(packet.rays, packet.seen, packet.window, options_.samples, packet.pixel_seed,
+                                    packet.first, out, ends);
+      return;
+    }
     for (size_t i = 0; i < packet.rays.size(); ++i) {
       single_.shade(packet.rays[i], packet.seen[i].segments, packet.seen[i].blended, packet.window, packet.pixel_seed,
                     packet.first + static_cast<uint32_t>(i), packet.phases[i], out);
@@ -62,6 +68,12 @@ class PacketShading {
 
     float part_end(uint32_t index) const { return time * (static_cast<float>(index + 1) / static_cast<float>(parts)); }
   };
+
+  /// Where a pixel's rays cannot be shaded together and shading is dear, clusters of a ray are the next best.
+  static ShadingOptions of_single_rays(const Shader& shader, ShadingOptions options) {
+    if (shader.is_lit() && options.clusters == Clusters::pixel) options.clusters = Clusters::on;
+    return options;
+  }
 
   void shade_together(const Packet& packet, RecordBuilder& out, std::vector<uint32_t>& ends) {
     group_by_triangle(packet);
@@ -178,6 +190,7 @@ class PacketShading {
   const Shader& shader_;
   ShadingOptions options_;
   SegmentShading single_;
+  ListedShading listed_;
   std::vector<uint32_t> slots_;     // [hash]: number of a group
   std::vector<Group> groups_;       // in order of first sight
   std::vector<uint32_t> group_of_;  // [segment, ray by ray]

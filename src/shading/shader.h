@@ -38,6 +38,13 @@ class Shader {
   /// The same for several, which is cheaper for those of one pixel. Both spans of one length; widths are filled in.
   void shade(std::span<ShadingQuery> queries, std::span<Shade> shades) const;
 
+  /// The same but for the colour of what is lit.
+  Shade surface(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
+    double width = 0;
+    return shade_unlit(ray, mesh, triangle, time, width);
+  }
+  bool is_lit() const { return whitted_ != nullptr; }
+
   /// False when all instants at which a ray sees one of the mesh's triangles look the same.
   bool varies(uint32_t mesh) const { return varies_[mesh]; }
 

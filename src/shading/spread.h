@@ -22,8 +22,7 @@ struct ShadingOptions {
   float contrast = 0, dark = 0;  ///< see RecordNeeds
 };
 inline Clusters clusters_of(const RenderParams& params) {
-  if (params.clusters != Clusters::automatic) return params.clusters;
-  return params.shading == ShadingKind::whitted ? Clusters::on : Clusters::pixel;
+  return params.clusters == Clusters::automatic ? Clusters::pixel : params.clusters;
 }
 /// Of a grid over the shutter.
 inline constexpr double kMostCells = 1 << 16;

@@ -181,13 +181,18 @@ TEST(Clusters, PartsCoverEverySegmentExactly) {
 // The same of rays that are shaded together, over more parts than there are segments, and over fewer.
 TEST(PixelClusters, PartsCoverEverySegmentOfEveryRayExactly) {
   const Shot shot = flying_ball(true);
-  const Shader shader(shot, ShadingKind::normal, false, 0, nullptr, true);
-  const PixelContext context{CameraRays(shot.projection), Sampler(SamplerKind::owen_sobol, 16, 0),
-                             PixelFilter(FilterKind::box), shader};
+  const Shader normals(shot, ShadingKind::normal, false, 0, nullptr, true), lit(shot, ShadingKind::whitted, false);
   const Tracer tracer(shot.meshes, {Precision::fast, {}});
   Tracer::Workspace workspace;
   size_t shared = 0, cut = 0;
-  for (const int samples : {1, 8, 300}) {
+  for (const auto& [shader, samples, surfaces] : {std::tuple{&normals, 1, true},
+                                                  {&normals, 8, true},
+                                                  {&normals, 300, true},
+                                                  {&lit, 1, true},
+                                                  {&lit, 8, false},
+                                                  {&lit, 20, true}}) {
+    const PixelContext context{CameraRays(shot.projection), Sampler(SamplerKind::owen_sobol, 16, 0),
+                               PixelFilter(FilterKind::box), *shader};
     PacketShading shading(context.shader, {static_cast<double>(samples), Clusters::pixel});
     for (int y = 0; y < shot.projection.height; ++y)
       for (int x = 0; x < shot.projection.width; ++x) {
@@ -196,7 +201,7 @@ TEST(PixelClusters, PartsCoverEverySegmentOfEveryRayExactly) {
         const Sampler::Pixel pixel = context.sampler.pixel(x, y);
         for (uint32_t i = 0; i < 16; ++i) rays.push_back(context.ray(x, y, context.sampler.point(pixel, i)));
         const auto seen = tracer.trace_packet(rays, Visibility::visible, workspace);
-        RecordBuilder record;
+        RecordBuilder record(surfaces);
         std::vector<uint32_t> ends;
         const uint64_t before = shading.evaluations();
         shading.shade({rays, seen, phases, pixel.seed, 0}, record, ends);
@@ -283,21 +288,71 @@ TEST(ColourVariation, BoundsHowNormalsDiffer) {
   EXPECT_GT(vary, 50u);
 }
 
-// Clusters of a ray are worth it for Whitted shading, those of a pixel for the others; the picture says which it was.
-TEST(Clusters, AutomaticIsOnForWhittedAndPixelForOthers) {
+// What a pixel's rays see together is shaded together unless one asks for something else; the picture says so.
+TEST(Clusters, AutomaticIsPixel) {
   const Shot shot = flying_ball(true);
   for (const ShadingKind shading : {ShadingKind::normal, ShadingKind::flat, ShadingKind::whitted}) {
-    const bool dear = shading == ShadingKind::whitted;
     RenderParams params = tc(shading, Clusters::automatic, 2);
     const Image automatic = render(shot, params);
-    params.clusters = dear ? Clusters::on : Clusters::pixel;
+    params.clusters = Clusters::pixel;
     const Image chosen = render(shot, params);
     EXPECT_EQ(values(automatic, "R"), values(chosen, "R"));
     std::string said;
     for (const Attribute& attribute : automatic.attributes)
       if (attribute.name == "kairos:clusters") said = std::get<std::string>(attribute.value);
-    EXPECT_EQ(said, dear ? "on" : "pixel");
+    EXPECT_EQ(said, "pixel");
   }
+}
+
+// Few samples over all that a pixel's rays see, against some in each of their segments, along the very same rays: in
+// the mean over seeds the same light, in all of the picture and in its columns.
+TEST(ListedShading, TheMeanIsThatOfSegmentsByThemselves) {
+  Shot shot = flying_ball(true);
+  shot.lights.push_back(PointLight{{1.5f, 1, -3}, {6, 6, 6}});  // the ball's shadow goes over the board
+  Renderer renderer(shot);
+  const uint64_t first_seed = test::seed();
+  constexpr int kSeeds = 32;
+  std::vector<double> sum(17), squares(17);  // of differences: columns, and all
+  for (int i = 0; i < kSeeds; ++i) {
+    RenderParams params = tc(ShadingKind::whitted, Clusters::pixel, 2);
+    params.seed = first_seed + static_cast<uint64_t>(i);
+    RenderStats few;
+    const Image listed = renderer.render(params, &few);
+    params.clusters = Clusters::off;
+    RenderStats many;
+    const Image single = renderer.render(params, &many);
+    EXPECT_LT(2 * few.shading_samples, many.shading_samples);
+    std::vector<double> difference(17);
+    for (size_t p = 0; p < 16 * 12; ++p) {
+      const double d = static_cast<double>(values(listed, "G")[p]) - static_cast<double>(values(single, "G")[p]);
+      difference[p % 16] += d / 12;
+      difference[16] += d / (16 * 12);
+    }
+    for (size_t c = 0; c < 17; ++c) {
+      sum[c] += difference[c] / kSeeds;
+      squares[c] += difference[c] * difference[c] / kSeeds;
+    }
+  }
+  for (size_t c = 0; c < 17; ++c) {
+    const double error = std::sqrt(std::max(0.0, squares[c] - sum[c] * sum[c]) / (kSeeds - 1));
+    EXPECT_LE(std::abs(sum[c]), 6 * error + 1e-6) << "column " << c << ", 16: all";
+  }
+}
+
+// Colours are shared along the list; surfaces are not.
+TEST(ListedShading, EveryPartHasItsOwnNormalAndAlbedo) {
+  const Shot shot = flying_ball(false);
+  RenderParams params = tc(ShadingKind::whitted, Clusters::pixel, 1);
+  params.aovs = {Aov::normal, Aov::albedo, Aov::depth, Aov::coverage};
+  const Image listed = render(shot, params);
+  params.clusters = Clusters::off;
+  const Image single = render(shot, params);
+  for (const char* channel : {"normal.X", "normal.Y", "normal.Z", "albedo.R", "albedo.B", "depth.Z", "coverage.A"})
+    for (size_t i = 0; i < values(single, channel).size(); ++i) {
+      if (std::isinf(values(single, channel)[i])) continue;
+      EXPECT_NEAR(values(listed, channel)[i], values(single, channel)[i], 2e-6) << channel << " " << i;
+    }
+  EXPECT_NE(values(listed, "R"), values(single, "R"));
 }
 
 // One colour all over: one evaluation stands for all that touches, and is exact.
