@@ -47,10 +47,10 @@ struct Place {
 void with_progress(const RenderArguments& arguments, Place place, uint64_t rays,
                    const std::function<void(const Progress&)>& work) {
   std::unique_ptr<ProgressBar> bar;
-  bool polling = false;
+  bool begun = false;
   const auto progress = [&](double fraction) {
-    if (!polling) begin_polling();  // rendering has begun: before, a signal ends the program at once
-    polling = true;
+    if (!begun) begin_polling();  // rendering has begun: before, a signal ends the program at once
+    begun = true;
     if (!bar && (!arguments.quiet || arguments.progress == ProgressStyle::openjd))
       bar = std::make_unique<ProgressBar>(static_cast<double>(rays), arguments.progress, place.number, place.count);
     if (bar) bar->update(fraction);
