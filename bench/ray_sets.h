@@ -68,9 +68,9 @@ inline RaySet camera_rays(const Projection& projection, int rays_per_pixel, uint
 inline RaySet incoherent_rays(const std::vector<Mesh>& meshes, size_t count) {
   std::array<std::vector<float>, 3> places;
   for (const Mesh& mesh : meshes)
-    for (const Triangle& triangle : mesh.triangles)
+    for (const Triangle& triangle : mesh.shape().triangles)
       for (int axis = 0; axis < 3; ++axis)
-        places[static_cast<size_t>(axis)].push_back(mesh.positions.front()[triangle[0]][axis]);
+        places[static_cast<size_t>(axis)].push_back(mesh.position(0, triangle[0])[axis]);
   std::array<float, 3> low{}, high{};
   for (size_t axis = 0; axis < 3; ++axis) {
     std::vector<float>& all = places[axis];

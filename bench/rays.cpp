@@ -61,8 +61,8 @@ DiscreteScene discrete_scene(const Shot& shot, int keys) {
 void measure_builds(const Shot& shot, const Options& options, Rows& rows) {
   size_t triangles = 0, moving = 0;
   for (const Mesh& mesh : shot.meshes) {
-    triangles += mesh.triangles.size();
-    if (!mesh.is_static()) moving += mesh.triangles.size();
+    triangles += mesh.triangle_count();
+    if (!mesh.is_static()) moving += mesh.triangle_count();
   }
   rows.add("triangles", static_cast<double>(triangles));
   rows.add("moving_triangles", static_cast<double>(moving));

@@ -13,7 +13,7 @@ import pathlib
 import sys
 
 SCENES = ["foliage", "blades", "wires", "hall", "still", "fan", "glass", "marbles", "bars", "kitchen", "big", "terrain",
-          "swarm", "crowd"]
+          "swarm", "crowd", "garden", "forest", "veils", "hair"]
 # What of the folder of third parties' scenes they need.
 NEEDS = {"hall": ["mannequiny"], "fan": ["vintage-fan"], "kitchen": ["bitterli-kitchen"],
          "big": ["bitterli-kitchen", "dutch-ship"]}
@@ -27,10 +27,13 @@ def main():
     parser.add_argument("--scale", type=float, default=1.0, help="how many things there are, relative to usual (%(default)s)")
     parser.add_argument("--spans", type=int, default=1, help="key spans of what deforms (%(default)s)")
     parser.add_argument("--motion", type=float, default=10.0, metavar="PIXELS",
-                        help="how far things move, in terrain and swarm (%(default)s)")
+                        help="how far things move, in terrain, swarm and garden (%(default)s)")
     parser.add_argument("--meshes", type=int, default=1, help="that the pebbles of swarm are spread over (%(default)s)")
     parser.add_argument("--sets", type=int, default=1,
                         help="of key times that those meshes have, each another; with several key spans (%(default)s)")
+    parser.add_argument("--leaves", choices=("whole", "cut", "bare"), default="whole",
+                        help="of garden: triangles, cards with a picture of opacity, cards whose picture is not there "
+                             "(%(default)s)")
     third_parties = pathlib.Path(os.environ.get("KAIROS_SCENES", "../shared/scenes"))
     parser.add_argument("--scenes", type=pathlib.Path, default=third_parties, metavar="FOLDER",
                         help="third parties' scenes; $KAIROS_SCENES or %(default)s")

@@ -138,6 +138,9 @@ CLI::Option* add_scene_only_arguments(CLI::App& app, SceneArguments& out) {
                throw CLI::ValidationError("--motion-tolerance", "must be above 0 and at most 1e6");
              out.shot.motion_tolerance = v;
            });
+  add_choice(
+      app, "--instances", out.shot.instances,
+      "Whether meshes of one shape share it: less memory, rays a little dearer. auto: where copies would be large");
   add_count(app, "--threads", out.threads, 0, 1024, "Threads; 0: as many as the machine has")
       ->each([&out](const std::string&) { out.load.threads = out.shot.threads = out.threads; });
   return scene;

@@ -29,7 +29,7 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 nlohmann::ordered_json mesh_json(const Mesh& mesh) {
   nlohmann::ordered_json json;
   json["name"] = mesh.name;
-  json["triangles"] = mesh.triangles.size();
+  json["triangles"] = mesh.triangle_count();
   json["vertices"] = mesh.vertex_count();
   json["keys"] = mesh.key_count();
   json["key_times"] = mesh.is_static() ? std::vector<float>{} : mesh.key_times;
@@ -152,7 +152,7 @@ void print_text(const Loaded& loaded) {
   fmt::print("{}x{} pixels, shutter {} to {} (scene time), camera {}\n", shot.projection.width, shot.projection.height,
              shot.shutter_open, shot.shutter_close, shot.camera_moves ? "moves" : "still");
   for (const Mesh& mesh : shot.meshes)
-    fmt::print("mesh '{}': {} triangles, {}, {}\n", mesh.name, mesh.triangles.size(), key_times_text(mesh),
+    fmt::print("mesh '{}': {} triangles, {}, {}\n", mesh.name, mesh.triangle_count(), key_times_text(mesh),
                megabytes(mesh_bytes(mesh)));
   for (const SceneContents::Camera& camera : scene.cameras)
     fmt::print("camera '{}': {}\n", camera.name,

@@ -56,6 +56,11 @@ template <>
 inline constexpr auto kNames<Normalise> = std::to_array<Named<Normalise>>({{"mean", Normalise::mean},
                                                                            {"energy", Normalise::energy}});
 template <>
+inline constexpr auto kNames<ShotOptions::Instances> =
+    std::to_array<Named<ShotOptions::Instances>>({{"auto", ShotOptions::Instances::automatic},
+                                                  {"never", ShotOptions::Instances::never},
+                                                  {"always", ShotOptions::Instances::always}});
+template <>
 inline constexpr auto kNames<LightChoice> = std::to_array<Named<LightChoice>>({{"auto", LightChoice::automatic},
                                                                                {"file", LightChoice::file},
                                                                                {"studio", LightChoice::studio},

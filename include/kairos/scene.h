@@ -210,6 +210,14 @@ struct ShotOptions {
   bool textures = true;           ///< read all pictures; otherwise only those that say where surfaces are missing
   double motion_tolerance = 0.1;  ///< pixels: how far linear motion between keys may leave a vertex's true path
   bool strict = false;            ///< a bad triangle or picture is an error, not a note
+  /// Meshes of one shape that are placed many times may share it: they are instances (see Mesh::object), which take
+  /// less memory and time to build, while rays take a little longer. What is seen is the same up to rounding.
+  enum class Instances {
+    automatic,  ///< where copies would take much memory
+    never,
+    always,  ///< wherever a shape is placed twice
+  };
+  Instances instances = Instances::automatic;
   LightChoice lights = LightChoice::file;
   std::optional<EnvironmentPicture> environment;  ///< read when textures are
   int threads = 0;                                ///< 0: as many as the machine has; no effect on the shot

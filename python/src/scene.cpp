@@ -160,7 +160,7 @@ py::object flat(const std::vector<Row>& rows) {
 py::object mesh_of(const HeldShot& held, size_t index) {
   const auto& meshes = held.shot().meshes;
   if (index >= meshes.size()) throw py::index_error("the shot has " + std::to_string(meshes.size()) + " meshes");
-  const Mesh& mesh = meshes[index];
+  const Mesh mesh = expanded(meshes[index]);
   py::dict values;
   values["name"] = mesh.name;
   values["positions"] = stacked(mesh.positions);
@@ -204,7 +204,7 @@ void bind_scene(py::module_& module) {
       .def("triangle_count",
            [](const HeldShot& held) {
              size_t count = 0;
-             for (const Mesh& mesh : held.shot().meshes) count += mesh.triangles.size();
+             for (const Mesh& mesh : held.shot().meshes) count += mesh.triangle_count();
              return count;
            })
       .def("mesh_names",

@@ -7,75 +7,18 @@
 #include <kairos/error.h>
 
 #include "accel/builder.h"
+#include "accel/instances.h"
 #include "accel/moving_meshes.h"
 #include "accel/sort_by_motion.h"
 #include "accel/triangle_bounds.h"
+#include "accel/wide_nodes.h"
 #include "base/parallel.h"
 
 namespace kairos {
 
 namespace {
 
-/// Triangles, and nodes with the blocks below them, per piece of a parallel loop.
-constexpr uint32_t kGrain = 16384, kNodeGrain = 256;
-
-/// Children of a node; its leaves are numbered from `first_leaf` on.
-template <int kKeys>
-void set_node(const WideNode& from, uint32_t first_leaf, Node<kKeys>& to) {
-  to.count = from.child_count;
-  for (uint32_t slot = 0; slot < kWidth; ++slot) {
-    const WideChild& child = from.child[slot < from.child_count ? slot : 0];
-    for (int key = 0; key < kKeys; ++key)
-      for (int axis = 0; axis < 3; ++axis) {
-        to.lower[key][axis][slot] = child.box().lower(key, axis);
-        to.upper[key][axis][slot] = child.box().upper(key, axis);
-      }
-    to.child[slot] = slot >= from.child_count ? kNoNode : child.is_leaf() ? kLeafBit | first_leaf++ : child.node();
-  }
-}
-
-/// The triangles of a leaf, and when it is there.
-struct Leaf {
-  std::span<const TriangleId> triangles;
-  TimeRange window;
-
-  TriangleId in_slot(uint32_t slot) const { return triangles[slot < triangles.size() ? slot : 0]; }
-};
-
-/// The leaves in the order of their nodes, so that neighbours in the tree are neighbours in memory; sets nodes and
-/// root.
-template <class TreeOfNodes>
-std::vector<Leaf> set_nodes(const WideTree& wide, TreeOfNodes& tree) {
-  std::vector<Leaf> leaves;
-  tree.depth = wide.depth;
-  if (wide.order.empty()) return leaves;
-  const std::span<const TriangleId> order(wide.order);
-  if (wide.nodes.empty()) {
-    tree.root = kLeafBit;
-    leaves.push_back({order, {}});
-    return leaves;
-  }
-  tree.root = 0;
-  std::vector<uint32_t> first_leaf(wide.nodes.size());
-  uint32_t count = 0;
-  for (size_t n = 0; n < wide.nodes.size(); ++n) {
-    first_leaf[n] = count;
-    count += wide.nodes[n].leaf_count;
-  }
-  leaves.resize(count);
-  tree.nodes.resize(wide.nodes.size());
-  parallel_for(wide.nodes.size(), kNodeGrain, [&](size_t begin, size_t end) {
-    for (size_t n = begin; n < end; ++n) {
-      const WideNode& node = wide.nodes[n];
-      set_node(node, first_leaf[n], tree.nodes[n]);
-      uint32_t leaf = first_leaf[n];
-      for (uint32_t c = 0; c < node.child_count; ++c)
-        if (node.child[c].is_leaf())
-          leaves[leaf++] = {order.subspan(node.child[c].begin(), node.child[c].count()), node.child[c].window()};
-    }
-  });
-  return leaves;
-}
+constexpr uint32_t kGrain = 16384;  // triangles per piece of a parallel loop
 
 /// The ids of a block's triangles.
 template <class Block>
@@ -206,7 +149,7 @@ void build_moving(std::span<const Mesh> meshes, const TriangleList& triangles, M
 
 Accel build_accel(std::span<const Mesh> meshes, bool moving_meshes_only) {
   uint64_t total = 0;
-  for (const Mesh& mesh : meshes) total += mesh.triangles.size();
+  for (const Mesh& mesh : meshes) total += mesh.object ? 1 : mesh.triangles.size();
   if (total >= kLeafBit)
     throw Error(ErrorCode::bad_input, "",
                 "the scene has " + std::to_string(total) + " triangles; at most 2^31 - 1 can be traced");
@@ -216,6 +159,14 @@ Accel build_accel(std::span<const Mesh> meshes, bool moving_meshes_only) {
   build_still(meshes, sorted.still, accel.still);
   TriangleList().swap(sorted.still);
   build_moving(meshes, sorted.moving, accel.moving);
+  TriangleList().swap(sorted.moving);
+  build_instances(
+      meshes, moving_meshes_only,
+      [](const Mesh& object, StillTree& tree) {
+        const std::span<const Mesh> one(&object, 1);
+        build_still(one, sort_by_motion(one, false).still, tree);
+      },
+      accel);
   return accel;
 }
 

@@ -61,7 +61,8 @@ struct Range {
 
 class Builder {
  public:
-  Builder(bool moving, const MovingTriangles* several_spans) : moving_(moving), triangles_(several_spans) {}
+  Builder(bool moving, const MovingTriangles* several_spans, uint32_t leaf_size)
+      : moving_(moving), triangles_(several_spans), leaf_size_(leaf_size) {}
 
   WideTree build(std::span<Primitive> primitives) const {
     WideTree tree;
@@ -125,7 +126,7 @@ class Builder {
   /// Splits `range` in two, neither of them empty: itself, which becomes the left one, and `right`.
   void split(Range& range, Range& right, bool halved) const {
     right.store = range.store;
-    if (range.count() <= kWidth) return split_by_spans(range, right);
+    if (range.count() <= leaf_size_) return split_by_spans(range, right);
     const Binning binning(range.extent, moving_);
     if (halved || binning.axes == 0) return halve(range, right);
     const Pieces pieces(range.begin, range.end);
@@ -189,7 +190,7 @@ class Builder {
 
   /// Decides what becomes of a range that has been measured.
   void plan(Range& range, uint32_t level) const {
-    range.leaf = range.count() <= kWidth;
+    range.leaf = range.count() <= leaf_size_;
     range.time_split.reset();
     if (triangles_ == nullptr) return;
     if (level <= kDeepestHeuristicLevel) range.time_split = when_to_split(range);
@@ -402,12 +403,14 @@ class Builder {
 
   bool moving_;
   const MovingTriangles* triangles_;
+  uint32_t leaf_size_;
 };
 
 }  // namespace
 
-WideTree build_wide_tree(std::span<Primitive> primitives, bool moving, const MovingTriangles* several_spans) {
-  return Builder(moving, several_spans).build(primitives);
+WideTree build_wide_tree(std::span<Primitive> primitives, bool moving, const MovingTriangles* several_spans,
+                         uint32_t leaf_size) {
+  return Builder(moving, several_spans, leaf_size).build(primitives);
 }
 
 }  // namespace kairos

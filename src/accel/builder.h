@@ -76,7 +76,9 @@ struct WideTree {
 
 /// `primitives` are used up. `moving`: also split by velocity. `several_spans`: null when no triangle has more than one
 /// key span; otherwise ranges are split in time, too, where that saves more than it costs. Parallel; the result does
-/// not depend on the number of threads nor on the instruction set.
-WideTree build_wide_tree(std::span<Primitive> primitives, bool moving, const MovingTriangles* several_spans = nullptr);
+/// not depend on the number of threads nor on the instruction set. leaf_size: the most primitives of a leaf, 1 to
+/// kWidth.
+WideTree build_wide_tree(std::span<Primitive> primitives, bool moving, const MovingTriangles* several_spans = nullptr,
+                         uint32_t leaf_size = kWidth);
 
 }  // namespace kairos

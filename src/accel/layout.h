@@ -3,11 +3,16 @@
 // Two eight-wide trees: one of what stands still, one over time of what moves. A moving node holds its children's boxes
 // at the two ends of a window of time, between which their faces move linearly; a leaf is one block of up to eight
 // triangles with their vertices at all keys inside the leaf's window, each key stored once, so that a kernel reads
-// plain vectors and never the meshes. Triangles of one block may have keys at different times.
+// plain vectors and never the meshes. Triangles of one block may have keys at different times. Instances have trees of
+// their own, whose leaves refer to their objects' trees.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
+
+#include <kairos/affine_map.h>
 
 #include "base/large_array.h"
 
@@ -98,13 +103,53 @@ struct MovingTree {
   }
 };
 
+/// A tree under a motion: an object, placed by an affine map at each key, every vertex going straight in between.
+struct Instance {
+  uint32_t mesh;
+  uint32_t object;           ///< index into Accel::objects
+  uint32_t spans;            ///< key spans; 0: it stands still
+  uint32_t first_placement;  ///< index into InstanceTree::placements of the first of spans + 1
+  uint32_t first_time;       ///< index into InstanceTree::times, likewise; instances share equal ones
+};
+
+/// Instances, each a leaf of its own: a NodeRef with kLeafBit is an index into `instances`. Boxes are there for the
+/// whole shutter.
+template <int kKeys>
+struct InstanceTree {
+  LargeArray<Node<kKeys>> nodes;
+  LargeArray<Instance> instances;
+  LargeArray<AffineMap> placements;
+  std::vector<float> times;  ///< shutter times of keys; none where all stand still
+  NodeRef root = kNoNode;
+  uint32_t depth = 0;
+
+  size_t memory_bytes() const {
+    return bytes_of(nodes) + bytes_of(instances) + bytes_of(placements) + times.size() * sizeof(float);
+  }
+};
+
 /// All of a scene.
 struct Accel {
   StillTree still;
   MovingTree moving;
+  std::vector<StillTree> objects;
+  InstanceTree<kStaticKeys> still_instances;
+  InstanceTree<kMovingKeys> moving_instances;
 
-  size_t memory_bytes() const { return still.memory_bytes() + moving.memory_bytes(); }
-  uint32_t depth() const { return still.depth < moving.depth ? moving.depth : still.depth; }
+  size_t memory_bytes() const {
+    size_t bytes =
+        still.memory_bytes() + moving.memory_bytes() + still_instances.memory_bytes() + moving_instances.memory_bytes();
+    for (const StillTree& object : objects) bytes += object.memory_bytes();
+    return bytes;
+  }
+  /// Nodes on the longest way to a block; what is left of a tree of instances waits while an object is walked.
+  uint32_t depth() const {
+    uint32_t object_depth = 0;
+    for (const StillTree& object : objects) object_depth = std::max(object_depth, object.depth);
+    // One level more: of an object that is a single block.
+    const uint32_t of_instances = std::max(still_instances.depth, moving_instances.depth) + object_depth + 1;
+    return std::max({still.depth, moving.depth, objects.empty() ? 0 : of_instances});
+  }
 };
 
 }  // namespace kairos

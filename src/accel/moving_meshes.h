@@ -59,6 +59,44 @@ class KeySets {
 /// within 2^-24.
 constexpr float kLineError = 32 * 0x1p-24f;
 
+/// Differences and sums of a few numbers up to here don't overflow.
+constexpr float kSafeSize = 1e37f;
+
+/// Between its first and last key in a window a bound may leave the line between the two: moves the lines of a box out
+/// as far as they must. bounds_at(key): the bounds there, lower and negated upper. Between neighbouring keys vertices
+/// move straight, so keys alone decide.
+template <class BoundsAt>
+void widen_over_keys(std::span<const float> key_times, size_t first, size_t last, TimeRange window,
+                     const BoundsAt& bounds_at_key, BoxLanes& box) {
+  const auto sizes = [](Lanes a) { return higher_of(a, -a); };
+  std::array<Lanes, 2> off{}, largest, lowest;
+  for (size_t side = 0; side < 2; ++side) {
+    largest[side] = higher_of(sizes(box.bound[side]), sizes(box.bound[2 + side]));
+    lowest[side] = lower_of(box.bound[side], box.bound[2 + side]);
+  }
+  const float length = window.end - window.begin;
+  for (size_t key = first + 1; key < last; ++key) {
+    const std::array<Lanes, 2> here = bounds_at_key(key);
+    const float time = (key_times[key] - window.begin) / length;
+    for (size_t side = 0; side < 2; ++side) {
+      const Lanes begin = box.bound[side], end = box.bound[2 + side];
+      const Lanes line = begin + all_lanes(time) * (end - begin);
+      off[side] = lower_of(here[side] - line, off[side]);
+      largest[side] = higher_of(sizes(here[side]), largest[side]);
+      lowest[side] = lower_of(here[side], lowest[side]);
+    }
+  }
+  for (size_t side = 0; side < 2; ++side) {
+    off[side] -= all_lanes(kLineError) * largest[side];
+    for (size_t end = 0; end < 2; ++end) {
+      Lanes& bound = box.bound[2 * end + side];
+      const Lanes moved = bound + off[side];
+      // Where sums overflow the box stands still instead: at its lowest.
+      bound = largest[side] < all_lanes(kSafeSize) ? moved : lowest[side];
+    }
+  }
+}
+
 class MovingMeshes final : public MovingTriangles {
  public:
   MovingMeshes(std::span<const Mesh> meshes, const KeySets& keys) : meshes_(meshes), keys_(keys) {}
@@ -87,8 +125,6 @@ class MovingMeshes final : public MovingTriangles {
   }
   bool same_keys(uint32_t mesh, uint32_t other) const override { return keys_.set_of(mesh) == keys_.set_of(other); }
 
-  /// Between its first and last key in the window a bound may leave the line between the two: the line is moved out as
-  /// far as it must. Between neighbouring keys vertices move straight, so keys alone decide.
   void set_primitive(TriangleId id, TimeRange window, Primitive& primitive) const override {
     const Mesh& mesh = meshes_[id.mesh];
     const Triangle& triangle = mesh.triangles[id.triangle];
@@ -99,46 +135,14 @@ class MovingMeshes final : public MovingTriangles {
       bound[side] = begin[side];
       bound[2 + side] = end[side];
     }
-    if (last - first > 1) widen(mesh, triangle, first, last, window, primitive.box);
+    if (last - first > 1)
+      widen_over_keys(
+          mesh.key_times, first, last, window, [&](size_t key) { return bounds_at(mesh, triangle, key); },
+          primitive.box);
     primitive.set_id(id);
   }
 
  private:
-  static Lanes sizes(Lanes a) { return higher_of(a, -a); }
-
-  void widen(const Mesh& mesh, const Triangle& triangle, size_t first, size_t last, TimeRange window,
-             BoxLanes& box) const {
-    std::array<Lanes, 2> off{}, largest, lowest;
-    for (size_t side = 0; side < 2; ++side) {
-      largest[side] = higher_of(sizes(box.bound[side]), sizes(box.bound[2 + side]));
-      lowest[side] = lower_of(box.bound[side], box.bound[2 + side]);
-    }
-    const float length = window.end - window.begin;
-    for (size_t key = first + 1; key < last; ++key) {
-      const auto here = bounds_at(mesh, triangle, key);
-      const float time = (mesh.key_times[key] - window.begin) / length;
-      for (size_t side = 0; side < 2; ++side) {
-        const Lanes begin = box.bound[side], end = box.bound[2 + side];
-        const Lanes line = begin + all_lanes(time) * (end - begin);
-        off[side] = lower_of(here[side] - line, off[side]);
-        largest[side] = higher_of(sizes(here[side]), largest[side]);
-        lowest[side] = lower_of(here[side], lowest[side]);
-      }
-    }
-    for (size_t side = 0; side < 2; ++side) {
-      off[side] -= all_lanes(kLineError) * largest[side];
-      for (size_t end = 0; end < 2; ++end) {
-        Lanes& bound = box.bound[2 * end + side];
-        const Lanes moved = bound + off[side];
-        // Where sums overflow the box stands still instead: at its lowest.
-        bound = largest[side] < all_lanes(kSafeSize) ? moved : lowest[side];
-      }
-    }
-  }
-
-  /// Differences and sums of a few numbers up to here don't overflow.
-  static constexpr float kSafeSize = 1e37f;
-
   std::span<const Mesh> meshes_;
   const KeySets& keys_;
 };

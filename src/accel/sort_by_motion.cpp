@@ -30,7 +30,7 @@ Sorted sort_by_motion(std::span<const Mesh> meshes, bool moving_meshes_only) {
   std::vector<Piece> pieces;
   for (uint32_t m = 0; m < meshes.size(); ++m) {
     const Mesh& mesh = meshes[m];
-    if (moving_meshes_only && mesh.is_static()) continue;
+    if (mesh.object || (moving_meshes_only && mesh.is_static())) continue;
     const uint32_t count = static_cast<uint32_t>(mesh.triangles.size());
     for (uint64_t begin = 0; begin < count; begin += kTrianglesOfPiece)
       pieces.push_back({m, static_cast<uint32_t>(begin),

@@ -1,8 +1,10 @@
 #include "discrete/discrete_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <compare>
 #include <cstring>
 #include <limits>
 #include <map>
@@ -13,9 +15,11 @@
 
 #include "base/parallel.h"
 #include "discrete/embree_device.h"
+#include "discrete/placed_object.h"
 #include "discrete/uneven_triangles.h"
 #include "discrete/uniform_runs.h"
 #include "kernels/ray_frame.h"
+#include "scene/instances.h"
 #include "scene/working_scale.h"
 
 namespace kairos {
@@ -121,7 +125,7 @@ Stretches stretches_of(const Mesh& mesh) {
 std::vector<Stretches> choose_own_sets(std::span<const Mesh> meshes) {
   std::map<Stretches, size_t> triangles;
   for (const Mesh& mesh : meshes)
-    if (!mesh.is_static()) triangles[stretches_of(mesh)] += mesh.triangles.size();
+    if (!mesh.is_static()) triangles[stretches_of(mesh)] += mesh.triangle_count();
   std::vector<std::pair<size_t, Stretches>> sets;
   for (const auto& [stretches, count] : triangles) sets.emplace_back(count, stretches);
   std::stable_sort(sets.begin(), sets.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -147,8 +151,15 @@ struct Window {
 struct DiscreteScene::Impl {
   // In this order: scenes are gone before the device is.
   EmbreeDevice device;
-  std::vector<Window> windows;    // what stays still comes first, if there is any
-  std::vector<uint32_t> mesh_of;  // [Embree's geometry number]; one numbering for all scenes
+  std::vector<Window> windows;       // what stays still comes first, if there is any
+  std::vector<uint32_t> mesh_of;     // [Embree's geometry number]; one numbering for all scenes but those of objects
+  std::vector<PlacedObject> placed;  // likewise; empty where nothing is an instance
+  struct Object {
+    const Mesh* mesh;
+    bool one_sided, has_holes, is_pane;
+    friend auto operator<=>(const Object&, const Object&) = default;
+  };
+  std::map<Object, EmbreeScene> objects;
   std::vector<std::unique_ptr<const UnevenTriangles>> uneven;
   DiscreteStats stats;
   std::shared_ptr<const CutOuts> cut_outs;
@@ -161,13 +172,13 @@ struct DiscreteScene::Impl {
     cut_outs = options.cut_outs;
     panes = options.panes;
     panes.resize(meshes.size());
+    validate_meshes(meshes);
     for (size_t m = 0; m < meshes.size(); ++m) {
       const Mesh& mesh = meshes[m];
-      validate_mesh(mesh);
-      stats.triangles += mesh.triangles.size();
-      if (mesh.triangles.empty() || !mesh.is_static()) continue;
+      stats.triangles += mesh.triangle_count();
+      if (mesh.triangle_count() == 0 || !mesh.is_static()) continue;
       if (windows.empty()) add_window(0, 1, false, options);
-      attach(windows.front(), mesh, {0, 0}, 1, static_cast<uint32_t>(m));
+      attach(windows.front(), mesh, {0, 0}, 1, static_cast<uint32_t>(m), options);
       ++stats.static_geometries;
     }
     const size_t first_moving = windows.size();
@@ -175,7 +186,7 @@ struct DiscreteScene::Impl {
     std::vector<uint32_t> others;
     for (size_t m = 0; m < meshes.size(); ++m) {
       const Mesh& mesh = meshes[m];
-      if (mesh.triangles.empty() || mesh.is_static()) continue;
+      if (mesh.triangle_count() == 0 || mesh.is_static()) continue;
       if (std::find(own_sets.begin(), own_sets.end(), stretches_of(mesh)) == own_sets.end()) {
         others.push_back(static_cast<uint32_t>(m));
         continue;
@@ -185,15 +196,16 @@ struct DiscreteScene::Impl {
         size_t w = first_moving;
         while (w < windows.size() && !(windows[w].begin == run_begin && windows[w].end == run_end)) ++w;
         if (w == windows.size()) add_window(run_begin, run_end, true, options);
-        attach(windows[w], mesh, run, parts_per_span(run, options.keys), static_cast<uint32_t>(m));
+        attach(windows[w], mesh, run, parts_per_span(run, options.keys), static_cast<uint32_t>(m), options);
         ++stats.moving_geometries;
       }
     }
     if (!others.empty()) add_window(0, 1, true, options);
-    for (const uint32_t m : others) attach_uneven(windows.back(), meshes[m], m, options.keys);
+    for (const uint32_t m : others) attach_uneven(windows.back(), expanded(meshes[m]), m, options.keys);
     stats.trees = windows.size();
     // A thread that waits for Embree's locks must not take up work that waits for them too.
     isolate([&] {
+      for (const auto& [object, scene] : objects) rtcCommitScene(scene.get());
       for (const Window& window : windows) rtcCommitScene(window.scene.get());
     });
     device.check();
@@ -201,13 +213,80 @@ struct DiscreteScene::Impl {
   }
 
   void add_window(float begin, float end, bool moves, const DiscreteOptions& options) {
-    windows.push_back({begin, end, moves, EmbreeScene(rtcNewScene(device.get()))});
+    windows.push_back({begin, end, moves, new_scene(options)});
+  }
+  EmbreeScene new_scene(const DiscreteOptions& options) {
+    EmbreeScene scene(rtcNewScene(device.get()));
     device.check();
-    rtcSetSceneFlags(windows.back().scene.get(), options.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+    rtcSetSceneFlags(scene.get(), options.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+    return scene;
+  }
+
+  /// What is said of a mesh's triangles wherever it lies.
+  void set_refusals(RTCGeometry geometry, const Object& object) {
+    const RTCFilterFunctionN refusal = !object.one_sided  ? refuse_hits<false, true>
+                                       : object.has_holes ? refuse_hits<true, true>
+                                                          : refuse_hits<true, false>;
+    rtcSetGeometryUserData(geometry, this);
+    const bool refuses = object.has_holes || object.one_sided;
+    if (refuses) rtcSetGeometryIntersectFilterFunction(geometry, refusal);
+    if (object.is_pane)
+      rtcSetGeometryOccludedFilterFunction(geometry, refuse_all);
+    else if (refuses)
+      rtcSetGeometryOccludedFilterFunction(geometry, refusal);
+  }
+
+  /// The object of an instance, in a scene of its own. Instances whose surfaces are refused in other ways have another.
+  RTCScene scene_of(const Object& object, const DiscreteOptions& options) {
+    const auto found = objects.find(object);
+    if (found != objects.end()) return found->second.get();
+    const EmbreeScene& scene = objects.emplace(object, new_scene(options)).first->second;
+    const EmbreeGeometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+    device.check();
+    fill_buffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, object.mesh->triangles, device);
+    fill_buffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, object.mesh->positions.front(), device);
+    set_refusals(geometry.get(), object);
+    rtcCommitGeometry(geometry.get());
+    rtcAttachGeometry(scene.get(), geometry.get());
+    device.check();
+    return scene.get();
+  }
+
+  /// The next number of a geometry in the windows' scenes.
+  unsigned number_for(uint32_t mesh, PlacedObject where) {
+    if (where.steps() > 0 || !placed.empty()) {
+      placed.resize(mesh_of.size());
+      placed.push_back(std::move(where));
+    }
+    mesh_of.push_back(mesh);
+    return static_cast<unsigned>(mesh_of.size() - 1);
+  }
+
+  void attach_instance(const Window& window, const Mesh& mesh, UniformRun run, size_t parts, uint32_t index,
+                       const DiscreteOptions& options) {
+    const Object object{mesh.object.get(), mesh.one_sided, cut_outs && cut_outs->has(index), panes[index]};
+    const EmbreeGeometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+    device.check();
+    PlacedObject where(mesh, run, parts);
+    where.fill(geometry.get(), scene_of(object, options));
+    if (where.steps() > 1) stats.moving_keys += where.steps();
+    rtcCommitGeometry(geometry.get());
+    rtcAttachGeometryByID(window.scene.get(), geometry.get(), number_for(index, std::move(where)));
+    device.check();
+  }
+
+  uint32_t mesh_of_hit(unsigned geometry, unsigned instance) const {
+    return mesh_of[instance == RTC_INVALID_GEOMETRY_ID ? geometry : instance];
+  }
+  /// The normal of a hit, in the space of the ray, at a time within its scene's window.
+  Vec3f normal_of_hit(Vec3f normal, unsigned instance, float time) const {
+    return instance == RTC_INVALID_GEOMETRY_ID ? normal : placed[instance].normal(normal, time);
   }
 
   /// parts: pieces that each key span is cut into.
-  void attach(const Window& window, const Mesh& mesh, UniformRun run, size_t parts, uint32_t index) {
+  void attach(const Window& window, const Mesh& mesh, UniformRun run, size_t parts, uint32_t index,
+              const DiscreteOptions& options) {
+    if (mesh.object) return attach_instance(window, mesh, run, parts, index, options);
     const EmbreeGeometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
     device.check();
     fill_buffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles, device);
@@ -221,23 +300,10 @@ struct DiscreteScene::Impl {
                   place == 0 ? mesh.positions[key] : between(mesh.positions[key], mesh.positions[key + 1], place),
                   device);
     }
-    const bool has_holes = cut_outs && cut_outs->has(index);
-    if (has_holes || mesh.one_sided) {
-      rtcSetGeometryUserData(geometry.get(), this);
-      rtcSetGeometryIntersectFilterFunction(geometry.get(), !mesh.one_sided ? refuse_hits<false, true>
-                                                            : has_holes     ? refuse_hits<true, true>
-                                                                            : refuse_hits<true, false>);
-    }
-    if (panes[index])
-      rtcSetGeometryOccludedFilterFunction(geometry.get(), refuse_all);
-    else if (has_holes || mesh.one_sided)
-      rtcSetGeometryOccludedFilterFunction(geometry.get(), !mesh.one_sided ? refuse_hits<false, true>
-                                                           : has_holes     ? refuse_hits<true, true>
-                                                                           : refuse_hits<true, false>);
+    set_refusals(geometry.get(), {&mesh, mesh.one_sided, cut_outs && cut_outs->has(index), panes[index]});
     rtcCommitGeometry(geometry.get());
-    rtcAttachGeometryByID(window.scene.get(), geometry.get(), static_cast<unsigned>(mesh_of.size()));
+    rtcAttachGeometryByID(window.scene.get(), geometry.get(), number_for(index, {}));
     device.check();
-    mesh_of.push_back(index);
   }
 
   void attach_uneven(const Window& window, const Mesh& mesh, uint32_t index, int least_steps) {
@@ -247,9 +313,8 @@ struct DiscreteScene::Impl {
     device.check();
     uneven.back()->fill(geometry.get());
     rtcCommitGeometry(geometry.get());
-    rtcAttachGeometryByID(window.scene.get(), geometry.get(), static_cast<unsigned>(mesh_of.size()));
+    rtcAttachGeometryByID(window.scene.get(), geometry.get(), number_for(index, {}));
     device.check();
-    mesh_of.push_back(index);
     stats.moving_keys += uneven.back()->steps();
     ++stats.moving_geometries;
   }
@@ -268,16 +333,19 @@ struct DiscreteScene::Impl {
     for (unsigned i = 0; i < hits->N; ++i) {
       if (hits->valid[i] != -1) continue;
       const unsigned ray = RTCRayN_id(hits->ray, hits->N, i);
+      const unsigned instance = RTCHitN_instID(hits->hit, hits->N, i, 0);
       if constexpr (kOneSided) {
-        const Vec3f normal{RTCHitN_Ng_x(hits->hit, hits->N, i), RTCHitN_Ng_y(hits->hit, hits->N, i),
-                           RTCHitN_Ng_z(hits->hit, hits->N, i)};
+        const Vec3f normal =
+            self.normal_of_hit({RTCHitN_Ng_x(hits->hit, hits->N, i), RTCHitN_Ng_y(hits->hit, hits->N, i),
+                                RTCHitN_Ng_z(hits->hit, hits->N, i)},
+                               instance, RTCRayN_time(hits->ray, hits->N, i));
         if (faces(normal, context.rays[ray].direction) != (context.facing == Facing::origin)) {
           hits->valid[i] = 0;
           continue;
         }
       }
       if constexpr (!kHasHoles) continue;
-      const uint32_t mesh = self.mesh_of[RTCHitN_geomID(hits->hit, hits->N, i)];
+      const uint32_t mesh = self.mesh_of_hit(RTCHitN_geomID(hits->hit, hits->N, i), instance);
       const uint32_t triangle = RTCHitN_primID(hits->hit, hits->N, i);
       if (!self.cut_outs->solid(context.rays[ray], mesh, triangle, context.times[ray])) hits->valid[i] = 0;
     }
@@ -291,17 +359,22 @@ struct DiscreteScene::Impl {
     if (!usable(ray, time) || !(max_dist > 0)) return std::nullopt;
     RTCRayHit query{};
     fill(query.ray, ray, max_dist);
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     DiscreteContext context = context_of(&ray, &time, facing);
+    float hit_time = 0;                     // in its window
     for (const Window& window : windows) {  // each looks no farther than what the ones before have hit
       if (!window.holds(time)) continue;
       query.ray.time = window.local(time);
+      const float farthest = query.ray.tfar;
       rtcIntersect1(window.scene.get(), &context.embree, &query);
+      if (query.ray.tfar < farthest) hit_time = query.ray.time;
     }
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    const Vec3f normal{query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z};
-    return DiscreteHit{query.ray.tfar, mesh_of[query.hit.geomID],   query.hit.primID, query.hit.u,
-                       query.hit.v,    faces(normal, ray.direction)};
+    const unsigned instance = query.hit.instID[0];
+    const Vec3f normal = normal_of_hit({query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z}, instance, hit_time);
+    return DiscreteHit{query.ray.tfar,   mesh_of_hit(query.hit.geomID, instance),
+                       query.hit.primID, query.hit.u,
+                       query.hit.v,      faces(normal, ray.direction)};
   }
 
   /// Denormals must be zero already.
@@ -355,6 +428,8 @@ struct DiscreteScene::Impl {
     typename Packet::Query query{};
     for (size_t i = 0; i < rays.size(); ++i) fill(query.ray, i, rays[i], std::numeric_limits<float>::infinity());
     std::fill(std::begin(query.hit.geomID), std::end(query.hit.geomID), RTC_INVALID_GEOMETRY_ID);
+    std::fill(std::begin(query.hit.instID[0]), std::end(query.hit.instID[0]), RTC_INVALID_GEOMETRY_ID);
+    std::array<float, Packet::kSize> hit_times{};  // in their windows
     DiscreteContext context = context_of(rays.data(), times.data(), Facing::origin);
     context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     for (const Window& window : windows) {
@@ -367,15 +442,23 @@ struct DiscreteScene::Impl {
         any = true;
         query.ray.time[i] = window.local(times[i]);
       }
-      if (any) Packet::kIntersect(valid, window.scene.get(), &context.embree, &query);
+      if (!any) continue;
+      std::array<float, Packet::kSize> farthest;
+      std::copy_n(query.ray.tfar, Packet::kSize, farthest.begin());
+      Packet::kIntersect(valid, window.scene.get(), &context.embree, &query);
+      if (placed.empty()) continue;
+      for (size_t i = 0; i < rays.size(); ++i)
+        if (query.ray.tfar[i] < farthest[i]) hit_times[i] = query.ray.time[i];
     }
     for (size_t i = 0; i < rays.size(); ++i) {
       hits[i].reset();
       const uint32_t geometry = query.hit.geomID[i];
       if (geometry == RTC_INVALID_GEOMETRY_ID) continue;
-      const Vec3f normal{query.hit.Ng_x[i], query.hit.Ng_y[i], query.hit.Ng_z[i]};
-      hits[i] = DiscreteHit{query.ray.tfar[i], mesh_of[geometry], query.hit.primID[i],
-                            query.hit.u[i],    query.hit.v[i],    faces(normal, rays[i].direction)};
+      const unsigned instance = query.hit.instID[0][i];
+      const Vec3f normal =
+          normal_of_hit({query.hit.Ng_x[i], query.hit.Ng_y[i], query.hit.Ng_z[i]}, instance, hit_times[i]);
+      hits[i] = DiscreteHit{query.ray.tfar[i], mesh_of_hit(geometry, instance), query.hit.primID[i], query.hit.u[i],
+                            query.hit.v[i],    faces(normal, rays[i].direction)};
     }
   }
 };
@@ -404,7 +487,7 @@ DiscreteScene::DiscreteScene(std::span<const Mesh> meshes, const DiscreteOptions
     impl_ = std::make_unique<Impl>(meshes, options);
     return;
   }
-  for (const Mesh& mesh : meshes) validate_mesh(mesh);
+  validate_meshes(meshes);
   DiscreteOptions scaled = options;
   scaled.cut_outs = scaled_cut_outs(options.cut_outs, exponent);
   impl_ = std::make_unique<Impl>(scaled_copies(meshes, exponent), scaled);
@@ -502,6 +585,7 @@ const DiscreteStats& DiscreteScene::stats() const { return impl_->stats; }
 size_t DiscreteScene::memory_bytes() const {
   size_t bytes = impl_->device.memory_bytes() + impl_->mesh_of.capacity() * sizeof(uint32_t);
   for (const auto& triangles : impl_->uneven) bytes += triangles->memory_bytes();
+  for (const PlacedObject& object : impl_->placed) bytes += sizeof(object) + object.memory_bytes();
   return bytes + (panes_ ? panes_->memory_bytes() : 0);
 }
 

@@ -26,9 +26,9 @@ struct MovingCorners {
   double time;
 
   MovingCorners(const Mesh& mesh, uint32_t triangle, double when) : time(when) {
-    const Triangle& corners = mesh.triangles[triangle];
+    const Triangle& corners = mesh.triangle(triangle);
     if (mesh.is_static()) {
-      for (size_t i = 0; i < 3; ++i) at[i] = to_double(mesh.positions[0][corners[i]]);
+      for (size_t i = 0; i < 3; ++i) at[i] = to_double(mesh.position(0, corners[i]));
       velocity = {};
       return;
     }
@@ -37,8 +37,7 @@ struct MovingCorners {
     const double begin = mesh.key_times[key - 1], end = mesh.key_times[key];
     const double length = std::max(end - begin, std::numeric_limits<double>::min());
     for (size_t i = 0; i < 3; ++i) {
-      const Vec3d from = to_double(mesh.positions[key - 1][corners[i]]),
-                  to = to_double(mesh.positions[key][corners[i]]);
+      const Vec3d from = to_double(mesh.position(key - 1, corners[i])), to = to_double(mesh.position(key, corners[i]));
       velocity[i] = (to - from) / length;
       at[i] = from + velocity[i] * (when - begin);
     }

@@ -31,15 +31,15 @@ std::vector<BoxNode> make_boxes(const Shot& shot) {
   std::vector<BoxNode> nodes;
   for (uint32_t m = 0; m < shot.meshes.size(); ++m) {
     const Mesh& mesh = shot.meshes[m];
-    if (mesh.triangles.empty()) continue;
+    if (mesh.triangle_count() == 0) continue;
     uint32_t slot = kWidth;
     for (size_t key = 0; key + 1 < mesh.key_count(); ++key) {
       const float length = mesh.key_times[key + 1] - mesh.key_times[key];
       if (!(length > 0)) continue;  // a jump takes no time
       MovingBox box = MovingBox::empty();
-      for (const Triangle& triangle : mesh.triangles)
+      for (const Triangle& triangle : mesh.shape().triangles)
         for (const uint32_t vertex : triangle)
-          for (int end = 0; end < 2; ++end) box.include(end, mesh.positions[key + static_cast<size_t>(end)][vertex]);
+          for (int end = 0; end < 2; ++end) box.include(end, mesh.position(key + static_cast<size_t>(end), vertex));
       if (slot == kWidth) {
         nodes.push_back({{}, {}, m});
         slot = 0;

@@ -15,6 +15,7 @@
 #include <hwy/highway.h>
 
 #include "kernels/packet_test-inl.h"
+#include "kernels/placed-inl.h"
 #include "kernels/time_bins-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -30,11 +31,36 @@ class PacketCollector {
     std::fill_n(visible_until_, kPacketLanes, std::numeric_limits<float>::infinity());
   }
 
-  void Collect(const MovingTree& tree) {
+  void Collect(const Accel& accel) {
     UpdateBins();
     StackEntry* const bottom = states_[0].stack.data();
+    if (accel.moving.root != kNoNode) {
+      MovingSource source(accel.moving);
+      Walk(source, {accel.moving.root, 0, 0, 1}, bottom);
+    }
+    if (accel.moving_instances.root == kNoNode) return;
+    WalkInstances(
+        accel.moving_instances, slabs_, bottom, states_[0].counters,
+        [&](StackEntry& entry) HWY_ATTR {
+          float visible_until;
+          return clips_ && !ClipEntry(bins_, entry, visible_until);
+        },
+        [&](const Instance& instance, const StackEntry& entry, StackEntry* top) HWY_ATTR {
+          PlacedMovingSource source(accel, instance);
+          for (uint32_t span = 0; span < source.Spans(); ++span) {
+            StackEntry root{source.Root(), entry.dist, entry.begin, entry.end};
+            if (source.EnterSpan(span, root.begin, root.end)) Walk(source, root, top);
+          }
+          return true;
+        });
+  }
+
+ private:
+  /// Visits `first` and what is below it. bottom: from where on the stack may be used.
+  template <class Source>
+  HWY_INLINE void Walk(Source& source, const StackEntry& first, StackEntry* bottom) {
     StackEntry* top = bottom;
-    *top++ = {tree.root, 0, 0, 1};
+    *top++ = first;
     NodeHits node_hits;
     TraceCounters& counters = states_[0].counters;
     while (top != bottom) {
@@ -42,32 +68,26 @@ class PacketCollector {
       float visible_until = std::numeric_limits<float>::infinity();
       if (clips_ && !ClipEntry(bins_, entry, visible_until)) continue;
       if ((entry.node & kLeafBit) == 0) {
-        const auto& node = tree.nodes[entry.node];
+        const auto& node = source.NodeAt(entry.node);
         ++counters.nodes;
-        const ChildWindows* windows = tree.windows.empty() ? nullptr : &tree.windows[entry.node];
-        TestNode(node, windows, slabs_, entry.begin, entry.end, node_hits);
+        TestNode(node, source.WindowsAt(entry.node), slabs_, entry.begin, entry.end, node_hits);
         top = PushChildren(node.child, node_hits, true, top);
         continue;
       }
-      const auto& block = tree.blocks[entry.node & ~kLeafBit];
       UpdateLimits(entry);
-      const Row* times = &tree.times[block.first_time];
-      for (uint32_t s = 0; s < block.spans; ++s) {
-        const uint32_t lanes = LanesInSpan(block, times + s, entry.begin, entry.end);
-        if (lanes == 0) continue;
-        const Span span(tree, block, s);
-        counters.triangles += static_cast<uint64_t>(std::popcount(lanes));
-        PrepareTriangles(span, lanes, packet_, entry.begin, entry.end, visible_until, triangles_);
-        if (packet_.rays_per_register == kPacketLanes)
-          TestCandidates<kPacketLanes>(block, span);
-        else
-          TestCandidates<kPacketLanes / 4>(block, span);
-      }
+      source.ForEachSpan(entry.node, entry.begin, entry.end,
+                         [&](const MovingBlock& block, const Span& span, uint32_t lanes) HWY_ATTR {
+                           counters.triangles += static_cast<uint64_t>(std::popcount(lanes));
+                           PrepareTriangles(span, lanes, packet_, entry.begin, entry.end, visible_until, triangles_);
+                           if (packet_.rays_per_register == kPacketLanes)
+                             TestCandidates<kPacketLanes>(block, span);
+                           else
+                             TestCandidates<kPacketLanes / 4>(block, span);
+                         });
       UpdateBins();
     }
   }
 
- private:
   template <size_t kRays>
   HWY_INLINE void TestCandidates(const MovingBlock& block, const Span& span) {
     constexpr size_t kStep = kPacketLanes / kRays;  // triangles beside each other

@@ -45,6 +45,8 @@ struct Span {
         key1(tree.keys[block.first_key + span + 1]),
         begin(tree.times[block.first_time + span]),
         end(tree.times[block.first_time + span + 1]) {}
+  Span(const BlockKey& at_begin, const BlockKey& at_end, const Row& begins, const Row& ends)
+      : key0(at_begin), key1(at_end), begin(begins), end(ends) {}
 
   /// [key][vertex]
   std::array<std::array<Vec3f, 3>, 2> triangle(size_t lane) const {

@@ -20,6 +20,7 @@
 #include <hwy/highway.h>
 
 #include "kernels/packet_test-inl.h"
+#include "kernels/placed-inl.h"
 #include "kernels/time_bins-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -150,23 +151,44 @@ class StillPacketCollector {
     UpdateFarthest();
   }
 
-  void Collect(const StillTree& tree) {
+  void Collect(const Accel& accel) {
     StackEntry* const bottom = states_[0].stack.data();
+    if (accel.still.root != kNoNode) {
+      StillSource source(accel.still);
+      Walk(source, {accel.still.root, 0, 0, 1}, bottom);
+    }
+    if (accel.still_instances.root != kNoNode)
+      WalkInstances(
+          accel.still_instances, slabs_, bottom, states_[0].counters,
+          [&](const StackEntry& entry) HWY_ATTR { return entry.dist > farthest_; },
+          [&](const Instance& instance, const StackEntry& entry, StackEntry* top) HWY_ATTR {
+            PlacedStillSource source(accel, instance);
+            Walk(source, {source.Root(), entry.dist, 0, 1}, top);
+            return true;
+          });
+    for (size_t ray = 0; ray < states_.size(); ++ray)
+      if (nearest_[ray].begin < nearest_[ray].end) AddHit(states_[ray], nearest_[ray]);
+  }
+
+ private:
+  /// Visits `first` and what is below it. bottom: from where on the stack may be used.
+  template <class Source>
+  HWY_INLINE void Walk(Source& source, const StackEntry& first, StackEntry* bottom) {
     StackEntry* top = bottom;
-    *top++ = {tree.root, 0, 0, 1};
+    *top++ = first;
     NodeHits node_hits;
     TraceCounters& counters = states_[0].counters;
     while (top != bottom) {
       const StackEntry entry = *--top;
       if (entry.dist > farthest_) continue;
       if ((entry.node & kLeafBit) == 0) {
-        const auto& node = tree.nodes[entry.node];
+        const auto& node = source.NodeAt(entry.node);
         ++counters.nodes;
         TestNode(node, slabs_, node_hits);
         top = PushChildren(node.child, node_hits, false, top);
         continue;
       }
-      const auto& block = tree.blocks[entry.node & ~kLeafBit];
+      const auto& block = source.BlockAt(entry.node);
       counters.triangles += block.count;
       PrepareTriangles(block, packet_, farthest_, triangles_);
       if (packet_.rays_per_register == kPacketLanes)
@@ -174,11 +196,8 @@ class StillPacketCollector {
       else
         TestCandidates<kPacketLanes / 4>(block);
     }
-    for (size_t ray = 0; ray < states_.size(); ++ray)
-      if (nearest_[ray].begin < nearest_[ray].end) AddHit(states_[ray], nearest_[ray]);
   }
 
- private:
   template <size_t kRays>
   HWY_INLINE void TestCandidates(const TriangleBlock<kStaticKeys>& block) {
     constexpr size_t kStep = kPacketLanes / kRays;  // triangles beside each other

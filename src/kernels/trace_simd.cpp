@@ -16,6 +16,7 @@
 #include "kernels/block_test-inl.h"
 #include "kernels/node_test-inl.h"
 #include "kernels/packet_collector-inl.h"
+#include "kernels/placed-inl.h"
 #include "kernels/still_packet-inl.h"
 #include "kernels/time_bins-inl.h"
 
@@ -30,34 +31,55 @@ class Collector {
       : accel_(accel), frame_(ray), slabs_(ray), state_(state) {}
 
   void Run() {
-    if (accel_.still.root != kNoNode) CollectStill(accel_.still);
-    if (accel_.moving.root != kNoNode && !state_.is_complete()) CollectMoving(accel_.moving);
+    CollectStill();
+    if (accel_.moving.root != kNoNode && !state_.is_complete()) {
+      MovingSource source(accel_.moving);
+      WalkMoving(source, {accel_.moving.root, 0, 0, 1}, state_.stack.data());
+    }
+    if (accel_.moving_instances.root != kNoNode && !state_.is_complete()) CollectMovingInstances();
   }
 
  private:
   /// The nearest hit, which hides what is behind it at all times; or all of them, where nothing is to be culled.
-  HWY_INLINE void CollectStill(const StillTree& tree) {
-    Segment nearest;
-    nearest.dist_begin =
+  HWY_INLINE void CollectStill() {
+    nearest_.dist_begin =
         state_.clips() ? state_.bins.visible_until(TimeBins::touched(0, 1)) : std::numeric_limits<float>::infinity();
-    bool found = false;
-    StackEntry* top = state_.stack.data();
-    *top++ = {tree.root, 0, 0, 1};
+    if (accel_.still.root != kNoNode) {
+      StillSource source(accel_.still);
+      WalkStill(source, {accel_.still.root, 0, 0, 1}, state_.stack.data());
+    }
+    if (accel_.still_instances.root != kNoNode && !state_.is_complete())
+      WalkInstances(
+          accel_.still_instances, slabs_, state_.stack.data(), state_.counters,
+          [&](const StackEntry& entry) HWY_ATTR { return entry.dist > nearest_.dist_begin; },
+          [&](const Instance& instance, const StackEntry& entry, StackEntry* top) HWY_ATTR {
+            PlacedStillSource source(accel_, instance);
+            WalkStill(source, {source.Root(), entry.dist, 0, 1}, top);
+            return !state_.is_complete();
+          });
+    if (found_) state_.add(nearest_);
+  }
+
+  /// Visits `first` and what is below it. bottom: from where on the stack may be used.
+  template <class Source>
+  HWY_INLINE void WalkStill(Source& source, const StackEntry& first, StackEntry* bottom) {
+    StackEntry* top = bottom;
+    *top++ = first;
     NodeHits node_hits;
     BlockHits<T> block_hits;
-    while (top != state_.stack.data()) {
+    while (top != bottom) {
       const StackEntry entry = *--top;
-      if (entry.dist > nearest.dist_begin) continue;
+      if (entry.dist > nearest_.dist_begin) continue;
       if ((entry.node & kLeafBit) == 0) {
-        const auto& node = tree.nodes[entry.node];
+        const auto& node = source.NodeAt(entry.node);
         ++state_.counters.nodes;
         TestNode(node, slabs_, node_hits);
         top = PushChildren(node.child, node_hits, false, top);
         continue;
       }
-      const auto& block = tree.blocks[entry.node & ~kLeafBit];
+      const auto& block = source.BlockAt(entry.node);
       state_.counters.triangles += block.count;
-      TestBlock(block, frame_, nearest.dist_begin, block_hits);
+      TestBlock(block, frame_, nearest_.dist_begin, block_hits);
       for (uint32_t mask = block_hits.hit; mask != 0; mask &= mask - 1) {
         const size_t lane = static_cast<size_t>(std::countr_zero(mask));
         const float dist = static_cast<float>(block_hits.dist_begin[lane]);
@@ -67,50 +89,58 @@ class Collector {
         if (state_.mode != RayMode::visible) {
           state_.add(hit);
           if (state_.is_complete()) return;
-        } else if (dist < nearest.dist_begin ||
-                   (dist == nearest.dist_begin &&
-                    std::pair(hit.mesh, hit.triangle) < std::pair(nearest.mesh, nearest.triangle))) {
-          nearest = hit;
-          found = true;
+        } else if (dist < nearest_.dist_begin ||
+                   (dist == nearest_.dist_begin &&
+                    std::pair(hit.mesh, hit.triangle) < std::pair(nearest_.mesh, nearest_.triangle))) {
+          nearest_ = hit;
+          found_ = true;
         }
       }
     }
-    if (found) state_.add(nearest);
   }
 
-  HWY_INLINE void CollectMoving(const MovingTree& tree) {
-    StackEntry* top = state_.stack.data();
-    *top++ = {tree.root, 0, 0, 1};
+  HWY_INLINE void CollectMovingInstances() {
+    WalkInstances(
+        accel_.moving_instances, slabs_, state_.stack.data(), state_.counters,
+        [&](StackEntry& entry) HWY_ATTR {
+          float visible_until;
+          return state_.clips() && !ClipEntry(state_.bins, entry, visible_until);
+        },
+        [&](const Instance& instance, const StackEntry& entry, StackEntry* top) HWY_ATTR {
+          PlacedMovingSource source(accel_, instance);
+          for (uint32_t span = 0; span < source.Spans(); ++span) {
+            StackEntry root{source.Root(), entry.dist, entry.begin, entry.end};
+            if (source.EnterSpan(span, root.begin, root.end)) WalkMoving(source, root, top);
+          }
+          return !state_.is_complete();
+        });
+  }
+
+  template <class Source>
+  HWY_INLINE void WalkMoving(Source& source, const StackEntry& first, StackEntry* bottom) {
+    StackEntry* top = bottom;
+    *top++ = first;
     NodeHits node_hits;
-    while (top != state_.stack.data()) {
+    while (top != bottom) {
       StackEntry entry = *--top;
       float visible_until = std::numeric_limits<float>::infinity();
       if (state_.clips() && !ClipEntry(state_.bins, entry, visible_until)) continue;
       if ((entry.node & kLeafBit) == 0) {
-        const auto& node = tree.nodes[entry.node];
+        const auto& node = source.NodeAt(entry.node);
         ++state_.counters.nodes;
-        const ChildWindows* windows = tree.windows.empty() ? nullptr : &tree.windows[entry.node];
-        TestNode(node, windows, slabs_, entry.begin, entry.end, node_hits);
+        TestNode(node, source.WindowsAt(entry.node), slabs_, entry.begin, entry.end, node_hits);
         top = PushChildren(node.child, node_hits, true, top);
         continue;
       }
-      CollectLeaf(tree, tree.blocks[entry.node & ~kLeafBit], entry, visible_until);
+      BlockHits<T> hits;
+      source.ForEachSpan(entry.node, entry.begin, entry.end,
+                         [&](const MovingBlock& block, const Span& span, uint32_t lanes) HWY_ATTR {
+                           state_.counters.triangles += static_cast<uint64_t>(std::popcount(lanes));
+                           TestBlock(span.key0, span.key1, lanes, frame_, visible_until, hits);
+                           state_.counters.root_solves += 3 * static_cast<uint64_t>(std::popcount(hits.solved));
+                           AddHits(block, span, hits);
+                         });
       if (state_.is_complete()) return;
-    }
-  }
-
-  HWY_INLINE void CollectLeaf(const MovingTree& tree, const MovingBlock& block, const StackEntry& entry,
-                              float visible_until) {
-    BlockHits<T> hits;
-    const Row* times = &tree.times[block.first_time];
-    for (uint32_t s = 0; s < block.spans; ++s) {
-      const uint32_t lanes = LanesInSpan(block, times + s, entry.begin, entry.end);
-      if (lanes == 0) continue;
-      const Span span(tree, block, s);
-      state_.counters.triangles += static_cast<uint64_t>(std::popcount(lanes));
-      TestBlock(span.key0, span.key1, lanes, frame_, visible_until, hits);
-      state_.counters.root_solves += 3 * static_cast<uint64_t>(std::popcount(hits.solved));
-      AddHits(block, span, hits);
     }
   }
 
@@ -152,13 +182,17 @@ class Collector {
   RayFrame<T> frame_;
   RaySlabs slabs_;
   RayState& state_;
+  Segment nearest_;  // of what stands still; until one is found, none farther than it is of interest
+  bool found_ = false;
 };
 
 void CollectFast(const Accel& accel, const Ray& ray, RayState& state) { Collector<float>(accel, ray, state).Run(); }
 void CollectExact(const Accel& accel, const Ray& ray, RayState& state) { Collector<double>(accel, ray, state).Run(); }
 void CollectPacket(const Accel& accel, const RayPacket& packet, std::span<RayState> states) {
-  if (accel.still.root != kNoNode) StillPacketCollector(packet, states).Collect(accel.still);
-  if (accel.moving.root != kNoNode) PacketCollector(packet, states).Collect(accel.moving);
+  if (accel.still.root != kNoNode || accel.still_instances.root != kNoNode)
+    StillPacketCollector(packet, states).Collect(accel);
+  if (accel.moving.root != kNoNode || accel.moving_instances.root != kNoNode)
+    PacketCollector(packet, states).Collect(accel);
 }
 void TestOneNode(const Node<kMovingKeys>& node, const Ray& ray, NodeHits& hits) {
   TestNode(node, nullptr, RaySlabs(ray), 0, 1, hits);

@@ -221,7 +221,12 @@ ScreenMotion::ScreenMotion(const Shot& shot, double margin) : shot_(shot), margi
   for (uint32_t m = 0; m < shot.meshes.size(); ++m) {
     const Mesh& mesh = shot.meshes[m];
     if (mesh.is_static()) continue;
-    const auto triangles = static_cast<uint32_t>(mesh.triangles.size());
+    if (mesh.object) {
+      auto& boxes = boxes_[mesh.object.get()];
+      if (boxes.empty()) boxes = shape_boxes(*mesh.object);
+    }
+    const auto triangles =
+        static_cast<uint32_t>(mesh.object ? boxes_[mesh.object.get()].size() : mesh.triangle_count());
     for (uint32_t key = 0; key + 1 < mesh.key_count(); ++key) {
       if (mesh.key_times[key] == mesh.key_times[key + 1]) continue;  // a jump takes no time
       for (uint64_t begin = 0; begin < triangles; begin += kPieceSize)
@@ -261,24 +266,22 @@ void ScreenMotion::project(const Piece& piece, std::vector<TriangleOnScreen>& ou
   const ToScreen to_screen(shot_.projection);
   const double width = shot_.projection.width, height = shot_.projection.height;
   const Mesh& mesh = shot_.meshes[piece.mesh];
-  const std::vector<Vec3f>&from = mesh.positions[piece.key], &to = mesh.positions[piece.key + 1];
   const double duration =
       static_cast<double>(mesh.key_times[piece.key + 1]) - static_cast<double>(mesh.key_times[piece.key]);
-  for (uint32_t t = piece.begin; t < piece.end; ++t) {
-    const Triangle& corners = mesh.triangles[t];
-    std::array<Vec3d, 6> points;
+  // `points`: the corners of something at the first key, then at the second.
+  const auto add = [&](const auto& points) {
+    const size_t corner_count = points.size() / 2;
     double path = 0, nearest = INFINITY, farthest = 0;
     Vec2d longest;  // of the paths on screen
-    for (size_t v = 0; v < 3; ++v) {
-      points[v] = to_double(from[corners[v]]);
-      points[v + 3] = to_double(to[corners[v]]);
-      nearest = std::min({nearest, -points[v].z, -points[v + 3].z});
-      farthest = std::max({farthest, std::abs(points[v].z), std::abs(points[v + 3].z)});
-      if (!to_screen.is_in_front(points[v]) || !to_screen.is_in_front(points[v + 3])) {
+    for (size_t v = 0; v < corner_count; ++v) {
+      const Vec3d &first = points[v], &second = points[v + corner_count];
+      nearest = std::min({nearest, -first.z, -second.z});
+      farthest = std::max({farthest, std::abs(first.z), std::abs(second.z)});
+      if (!to_screen.is_in_front(first) || !to_screen.is_in_front(second)) {
         path = kHighestSpeed;
         longest = {};  // of no direction
       } else {
-        const Vec2d a = to_screen(points[v]), b = to_screen(points[v + 3]);
+        const Vec2d a = to_screen(first), b = to_screen(second);
         const double length = std::hypot(b.x - a.x, b.y - a.y);
         if (length <= path) continue;
         path = length;
@@ -286,13 +289,13 @@ void ScreenMotion::project(const Piece& piece, std::vector<TriangleOnScreen>& ou
       }
     }
     const ScreenBounds b = bounds_of_hull(points, to_screen);
-    if (!(b.x0 <= b.x1)) continue;
+    if (!(b.x0 <= b.x1)) return;
     TriangleOnScreen seen;
     seen.pixels = {static_cast<int>(std::clamp(std::floor(b.x0 - margin_), 0.0, width)),
                    static_cast<int>(std::clamp(std::floor(b.x1 + margin_) + 1, 0.0, width)),
                    static_cast<int>(std::clamp(std::floor(b.y0 - margin_), 0.0, height)),
                    static_cast<int>(std::clamp(std::floor(b.y1 + margin_) + 1, 0.0, height))};
-    if (seen.pixels.x0 >= seen.pixels.x1 || seen.pixels.y0 >= seen.pixels.y1) continue;
+    if (seen.pixels.x0 >= seen.pixels.x1 || seen.pixels.y0 >= seen.pixels.y1) return;
     seen.speed = std::llround(std::min(path / duration, kHighestSpeed) * kSpeedUnits);
     if (nearest > 0)
       seen.depth = logarithm_of(nearest);
@@ -306,6 +309,27 @@ void ScreenMotion::project(const Piece& piece, std::vector<TriangleOnScreen>& ou
     seen.across = std::llround(share * 2 * longest.x * longest.y);
     seen.weight = std::llround(weight);
     out.push_back(seen);
+  };
+  if (mesh.object) {
+    const std::vector<BoxCorners>& boxes = boxes_.find(mesh.object.get())->second;
+    for (uint32_t b = piece.begin; b < piece.end; ++b) {
+      std::array<Vec3d, 16> points;
+      for (size_t c = 0; c < boxes[b].size(); ++c) {
+        points[c] = to_double(mesh.placements[piece.key].point(boxes[b][c]));
+        points[c + boxes[b].size()] = to_double(mesh.placements[piece.key + 1].point(boxes[b][c]));
+      }
+      add(points);
+    }
+    return;
+  }
+  for (uint32_t t = piece.begin; t < piece.end; ++t) {
+    const Triangle& corners = mesh.triangle(t);
+    std::array<Vec3d, 6> points;
+    for (size_t v = 0; v < 3; ++v) {
+      points[v] = to_double(mesh.position(piece.key, corners[v]));
+      points[v + 3] = to_double(mesh.position(piece.key + 1, corners[v]));
+    }
+    add(points);
   }
 }
 

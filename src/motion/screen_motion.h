@@ -3,12 +3,15 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include <kairos/render.h>
 #include <kairos/scene.h>
+
+#include "motion/shape_boxes.h"
 
 namespace kairos {
 
@@ -49,7 +52,9 @@ inline constexpr uint32_t kLeastLookPixels = 256, kMostLookPixels = 4096;
 std::vector<LookPixel> look_pixels(const Projection& frame);
 
 /// The moving triangles of a shot, found by where they are on screen. Conservative: made from the screen bounds of each
-/// triangle's path, cut off at the near side. Meshes with more than one key count as moving as a whole.
+/// triangle's path, cut off at the near side. Meshes with more than one key count as moving as a whole. Instances count
+/// as the boxes that their object's triangles lie in, a hundred in each: they are there for what is too large to look
+/// at triangle by triangle.
 ///
 /// Keeps bounds of a few hundred triangles each and projects those again that are asked for: memory is small, and a
 /// part of the frame costs what may be seen in it.
@@ -70,7 +75,7 @@ class ScreenMotion {
   const PixelMotion* at_look(int x, int y) const;
 
  private:
-  /// Triangles [begin, end) of a mesh between two of its keys.
+  /// Triangles, or boxes of an instance's object, [begin, end) of a mesh between two of its keys.
   struct Piece {
     uint32_t mesh, key, begin, end;
     Crop bounds;  ///< of all their pixels
@@ -81,7 +86,8 @@ class ScreenMotion {
 
   const Shot& shot_;
   double margin_;
-  std::vector<Piece> pieces_;  // those of which anything may be seen
+  std::map<const Mesh*, std::vector<BoxCorners>> boxes_;  // of instances' objects
+  std::vector<Piece> pieces_;                             // those of which anything may be seen
   struct Look {
     uint64_t pixel;  // row and column in one number
     PixelMotion motion;

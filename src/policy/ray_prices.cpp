@@ -122,8 +122,8 @@ double mean_key_spans(const Shot& shot) {
   double triangles = 0, spans = 0;
   for (const Mesh& mesh : shot.meshes) {
     if (mesh.is_static()) continue;
-    triangles += static_cast<double>(mesh.triangles.size());
-    spans += static_cast<double>(mesh.triangles.size()) * static_cast<double>(mesh.key_count() - 1);
+    triangles += static_cast<double>(mesh.triangle_count());
+    spans += static_cast<double>(mesh.triangle_count()) * static_cast<double>(mesh.key_count() - 1);
   }
   return triangles > 0 ? spans / triangles : 1;
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include "camera/film_plane.h"
 #include "scene/clean_triangles.h"
 #include "scene/frame_camera.h"
+#include "scene/instancing.h"
 #include "scene/load_textures.h"
 #include "scene/make_shot_notes.h"
 #include "scene/motion_keys.h"
@@ -28,6 +30,7 @@ namespace {
 
 // Meshes of more vertices are made one after the other, in parallel inside, so that working copies of few are alive.
 constexpr size_t kLargeMesh = 1 << 15;
+constexpr uint32_t kNoObject = 0xffffffff;  // of a mesh that is no instance
 // Normals that differ by no more are the same.
 constexpr float kSameNormal = 1e-6f;
 
@@ -137,19 +140,51 @@ bool is_one_sided(const Material& material) { return !material.double_sided && !
 
 /// How many keys each vertex of what moves may have, so that all of them together stay within the budget: the same for
 /// all, whatever the order in which meshes are made.
-uint64_t most_keys(const Scene& scene, const View& view, uint64_t bytes) {
+uint64_t most_keys(const Scene& scene, const std::vector<uint32_t>& object_of, const View& view, uint64_t bytes) {
   constexpr uint64_t kBytesPerKey = 2 * sizeof(Vec3f);  // a position and a normal
+  constexpr uint64_t kVerticesOfPlacement = (sizeof(AffineMap) + sizeof(DirectionMap)) / kBytesPerKey + 1;
   uint64_t vertices = 1;
-  for (const SceneMesh& mesh : scene.meshes)
-    if (view.space_moves() || !view.window().holds_still(*mesh.motion)) vertices += mesh.motion->vertex_count();
+  for (size_t m = 0; m < scene.meshes.size(); ++m) {
+    const VertexMotion& motion = *scene.meshes[m].motion;
+    if (!view.space_moves() && view.window().holds_still(motion)) continue;
+    vertices += object_of[m] != kNoObject ? kVerticesOfPlacement : motion.vertex_count();
+  }
   return bytes / (kBytesPerKey * vertices);
+}
+
+/// What a mesh takes beside its keys when it is no instance.
+uint64_t bytes_of_copy(const SceneMesh& mesh) {
+  uint64_t bytes = mesh.triangles.size() * sizeof(Triangle) + mesh.uvs.size() * sizeof(Vec2f) +
+                   mesh.colors.size() * sizeof(Vec4f) + mesh.prim_ids.size() * sizeof(uint32_t);
+  for (const auto& set : mesh.more_uvs) bytes += set.size() * sizeof(Vec2f);
+  return bytes;
+}
+
+/// Few bytes of a file may place a large shape very often: what is copied all the same is paid for first.
+void charge_copies(const Scene& scene, const std::vector<uint32_t>& object_of, MemoryBudget& budget) {
+  std::set<const void*> seen;
+  for (size_t m = 0; m < scene.meshes.size(); ++m) {
+    const SceneMesh& mesh = scene.meshes[m];
+    if (object_of[m] == kNoObject && !mesh.triangles.empty() && !seen.insert(mesh.triangles.identity()).second)
+      budget.charge(bytes_of_copy(mesh), "mesh '" + mesh.name + "'");
+  }
 }
 
 uint64_t key_bytes(const Mesh& mesh) {
   uint64_t vectors = 0;
   for (const auto* keys : {&mesh.positions, &mesh.normals})
     for (const std::vector<Vec3f>& key : *keys) vectors += key.size();
-  return vectors * sizeof(Vec3f);
+  return vectors * sizeof(Vec3f) + mesh.placements.size() * sizeof(AffineMap) +
+         mesh.directions.size() * sizeof(DirectionMap);
+}
+
+void note_dropped(const DroppedTriangles& dropped, const ShotOptions& options, const std::string& name,
+                  MeshReport& report) {
+  report.dropped = dropped;
+  if (options.strict && dropped.total() > 0)
+    throw Error(ErrorCode::bad_input, "mesh '" + name + "'",
+                fmt::format("{} triangles have a vertex that is not finite, {} have no area", dropped.not_finite,
+                            dropped.zero_area));
 }
 
 Mesh make_mesh(const SceneMesh& source, const View& view, const ShotOptions& options, uint64_t keys_at_most,
@@ -168,11 +203,7 @@ Mesh make_mesh(const SceneMesh& source, const View& view, const ShotOptions& opt
   mesh.prim_ids = source.prim_ids;
   mesh.material = source.material;
   report.excess = keys.excess;
-  report.dropped = clean_triangles(mesh);
-  if (options.strict && report.dropped.total() > 0)
-    throw Error(ErrorCode::bad_input, place,
-                fmt::format("{} triangles have a vertex that is not finite, {} have no area", report.dropped.not_finite,
-                            report.dropped.zero_area));
+  note_dropped(clean_triangles(mesh), options, source.name, report);
   return mesh;
 }
 
@@ -218,15 +249,31 @@ Shot make_shot_here(const Scene& scene, const ShotOptions& options) {
   shot.camera_moves = view.camera_moves();
 
   MemoryBudget budget(scene.memory_budget);
-  const uint64_t keys_at_most = most_keys(scene, view, budget.left());
+  const std::vector<SharedObject> objects = find_shared_objects(scene, options.instances);
+  std::vector<uint32_t> object_of(scene.meshes.size(), kNoObject);
+  for (uint32_t i = 0; i < objects.size(); ++i)
+    for (const size_t m : objects[i].meshes) object_of[m] = i;
+  const uint64_t keys_at_most = most_keys(scene, object_of, view, budget.left());
   shot.meshes.resize(scene.meshes.size());
   std::vector<MeshReport> reports(scene.meshes.size());
   std::vector<size_t> small;
+  charge_copies(scene, object_of, budget);
+  std::vector<uint8_t> flat(scene.meshes.size(), 0);
   const auto make = [&](size_t i) {
-    shot.meshes[i] = make_mesh(scene.meshes[i], view, options, keys_at_most, reports[i]);
+    if (object_of[i] == kNoObject) {
+      shot.meshes[i] = make_mesh(scene.meshes[i], view, options, keys_at_most, reports[i]);
+      return;
+    }
+    const SharedObject& object = objects[object_of[i]];
+    auto instance =
+        make_instance(scene.meshes[i], object, view, options.motion_tolerance, keys_at_most, reports[i].excess);
+    flat[i] = instance ? 0 : 1;
+    if (!instance) return;
+    shot.meshes[i] = std::move(*instance);
+    if (i == object.meshes.front()) note_dropped(object.dropped, options, scene.meshes[i].name, reports[i]);
   };
   for (size_t i = 0; i < scene.meshes.size(); ++i) {
-    if (scene.meshes[i].motion->vertex_count() < kLargeMesh)
+    if (object_of[i] != kNoObject || scene.meshes[i].motion->vertex_count() < kLargeMesh)
       small.push_back(i);
     else
       make(i);
@@ -234,6 +281,11 @@ Shot make_shot_here(const Scene& scene, const ShotOptions& options) {
   parallel_for(small.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) make(small[i]);
   });
+  for (size_t i = 0; i < flat.size(); ++i) {
+    if (flat[i] == 0) continue;
+    budget.charge(bytes_of_copy(scene.meshes[i]), "mesh '" + scene.meshes[i].name + "'");
+    shot.meshes[i] = make_mesh(scene.meshes[i], view, options, keys_at_most, reports[i]);
+  }
   for (Mesh& mesh : shot.meshes)
     mesh.one_sided = mesh.material < shot.materials.size() && is_one_sided(shot.materials[mesh.material]);
 

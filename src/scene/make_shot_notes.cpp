@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -34,6 +35,17 @@ std::string keys_note(std::span<const Mesh> meshes) {
 
 std::vector<std::string> shot_notes(std::span<const Mesh> meshes, std::span<const MeshReport> reports) {
   std::vector<std::string> notes{keys_note(meshes)};
+
+  size_t instances = 0;
+  std::set<const Mesh*> objects;
+  for (const Mesh& mesh : meshes) {
+    if (!mesh.object) continue;
+    ++instances;
+    objects.insert(mesh.object.get());
+  }
+  if (instances > 0)
+    notes.push_back(
+        fmt::format("{} meshes are instances of {} objects, which are kept once", instances, objects.size()));
 
   size_t limited = 0, worst = 0;
   DroppedTriangles dropped;

@@ -14,6 +14,13 @@ namespace kairos {
 /// Which one-sided limit to take at an instant where motion jumps (glTF's STEP). Elsewhere both are the same.
 enum class Side { before, after };
 
+/// Vertices in a space of their own, which many meshes may share.
+struct VertexShape {
+  std::span<const Vec3f> positions;
+  std::span<const Vec3f> normals;   ///< empty, or one per vertex
+  std::span<const Vec4f> tangents;  ///< likewise
+};
+
 /// The true path of a mesh's vertices in world space, over all of the scene's time. Immutable; safe from many threads.
 class VertexMotion {
  public:
@@ -42,6 +49,13 @@ class VertexMotion {
   /// World-space tangents as Mesh::tangents has them; zero vectors where the surface has none.
   virtual bool has_tangents() const { return false; }
   virtual void tangents(double /*time*/, Side /*side*/, std::span<Vec4f> /*out*/) const {}
+
+  /// The shape that a matrix places, where nothing else ever moves the vertices; null where they move on their own.
+  virtual std::shared_ptr<const VertexShape> shape() const { return nullptr; }
+  /// World from that shape's own space; only where there is one.
+  virtual Mat4 placement(double /*time*/, Side /*side*/) const { return {}; }
+  /// True where normals (and the handedness of tangents) are turned round when the matrix takes them along.
+  virtual bool turns_normals() const { return false; }
 };
 
 /// A rigid (or at least affine) placement as a function of time.

@@ -15,16 +15,18 @@
 #include <kairos/scene.h>
 
 #include "scene/motion.h"
+#include "scene/shared_array.h"
 
 namespace kairos {
 
 struct SceneMesh {
   std::string name;
-  std::vector<Triangle> triangles;           ///< indices below motion->vertex_count()
-  std::vector<Vec2f> uvs;                    ///< empty, or one per vertex: see Mesh::uvs
-  std::vector<std::vector<Vec2f>> more_uvs;  ///< see Mesh::more_uvs
-  std::vector<Vec4f> colors;                 ///< empty, or one per vertex: see Mesh::colors
-  std::vector<uint32_t> prim_ids;            ///< empty, or one per triangle: see Mesh::prim_ids
+  // Meshes of one shape share these arrays, and so become instances of one object: see make_shot.
+  SharedArray<Triangle> triangles;           ///< indices below motion->vertex_count()
+  SharedArray<Vec2f> uvs;                    ///< empty, or one per vertex: see Mesh::uvs
+  SharedArray<std::vector<Vec2f>> more_uvs;  ///< see Mesh::more_uvs
+  SharedArray<Vec4f> colors;                 ///< empty, or one per vertex: see Mesh::colors
+  SharedArray<uint32_t> prim_ids;            ///< empty, or one per triangle: see Mesh::prim_ids
   uint32_t material = 0;                     ///< index into Scene::materials
   std::shared_ptr<const VertexMotion> motion;
 };

@@ -124,16 +124,15 @@ Surroundings look_around(const Shot& shot, Vec3d eye) {
   nearest.fill(kFar);
   constexpr size_t kTrianglesAtOnce = 1 << 14;
   for (const Mesh& mesh : shot.meshes) {
-    if (mesh.positions.empty() || !stops_light(shot, mesh)) continue;
-    std::vector<Distances> pieces((mesh.triangles.size() + kTrianglesAtOnce - 1) / kTrianglesAtOnce);
+    if (mesh.key_count() == 0 || !stops_light(shot, mesh)) continue;
+    std::vector<Distances> pieces((mesh.triangle_count() + kTrianglesAtOnce - 1) / kTrianglesAtOnce);
     parallel_for(pieces.size(), 1, [&](size_t begin, size_t end) {
       for (size_t piece = begin; piece < end; ++piece) {
         pieces[piece].fill(kFar);
-        const size_t last = std::min((piece + 1) * kTrianglesAtOnce, mesh.triangles.size());
+        const size_t last = std::min((piece + 1) * kTrianglesAtOnce, mesh.triangle_count());
         for (size_t t = piece * kTrianglesAtOnce; t < last; ++t) {
           std::array<Vec3f, 3> corners;
-          for (size_t i = 0; i < 3; ++i)
-            corners[i] = to_float(to_double(mesh.positions[0][mesh.triangles[t][i]]) - eye);
+          for (size_t i = 0; i < 3; ++i) corners[i] = to_float(to_double(mesh.position(0, mesh.triangle(t)[i])) - eye);
           block(corners, mesh.one_sided, directions, pieces[piece]);
         }
       }
@@ -153,7 +152,7 @@ Surroundings look_around(const Shot& shot, Vec3d eye) {
 
 bool reflects_light(const Shot& shot) {
   return std::any_of(shot.meshes.begin(), shot.meshes.end(), [&](const Mesh& mesh) {
-    if (mesh.triangles.empty()) return false;
+    if (mesh.triangle_count() == 0) return false;
     if (mesh.material >= shot.materials.size()) return true;
     const Material& m = shot.materials[mesh.material];
     if (m.unlit) return false;

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <initializer_list>
+#include <set>
 #include <string>
 
 #include <kairos/error.h>
@@ -7,6 +8,7 @@
 #include <kairos/scene.h>
 
 #include "camera/film_plane.h"
+#include "scene/instances.h"
 
 namespace kairos {
 
@@ -47,16 +49,55 @@ bool is_finite(const EnvironmentLight& light) {
 }
 }  // namespace
 
+namespace {
+
+void check_key_times(const Mesh& mesh) {
+  const size_t keys = mesh.key_count();
+  if (keys < 2) return;
+  if (mesh.key_times.size() != keys)
+    broken(mesh, "has " + std::to_string(keys) + " keys but " + std::to_string(mesh.key_times.size()) + " key times");
+  if (mesh.key_times.front() != 0 || mesh.key_times.back() != 1) broken(mesh, "key times must run from 0 to 1");
+  for (size_t k = 1; k < keys; ++k)
+    if (!(mesh.key_times[k - 1] <= mesh.key_times[k])) broken(mesh, "key times must ascend");
+}
+
+/// What an instance has beside its object, which is valid; corners: of the object's box.
+void check_instance(const Mesh& mesh, const std::array<Vec3f, 8>& corners) {
+  const Mesh& object = *mesh.object;
+  if (object.object || object.key_count() != 1)
+    broken(mesh, "its object must be a mesh with one key, and no instance itself");
+  if (!mesh.triangles.empty() || !mesh.positions.empty()) broken(mesh, "is an instance, and has geometry of its own");
+  if (mesh.key_count() == 0) broken(mesh, "is an instance that nothing places");
+  check_key_times(mesh);
+  for (const AffineMap& map : mesh.placements)
+    for (const Vec3f& corner : corners)
+      if (!is_finite(map.point(corner))) broken(mesh, "a position is not finite");
+  const size_t directions = mesh.directions.size();
+  const bool needed = !object.normals.empty() || !object.tangents.empty();
+  if (needed && directions != 1 && directions != mesh.key_count())
+    broken(mesh, "directions need one key, or as many as placements");
+}
+
+}  // namespace
+
+void validate_meshes(std::span<const Mesh> meshes) {
+  ObjectCorners corners;
+  std::set<const Mesh*> objects;
+  for (const Mesh& mesh : meshes) {
+    if (!mesh.object) {
+      validate_mesh(mesh);
+      continue;
+    }
+    if (objects.insert(mesh.object.get()).second) validate_mesh(*mesh.object);
+    check_instance(mesh, corners.of(*mesh.object));
+  }
+}
+
 void validate_mesh(const Mesh& mesh) {
+  if (mesh.object) return validate_meshes({&mesh, 1});
   const size_t keys = mesh.key_count(), vertices = mesh.vertex_count();
   if (keys == 0 && !mesh.triangles.empty()) broken(mesh, "has triangles but no positions");
-  if (keys > 1) {
-    if (mesh.key_times.size() != keys)
-      broken(mesh, "has " + std::to_string(keys) + " keys but " + std::to_string(mesh.key_times.size()) + " key times");
-    if (mesh.key_times.front() != 0 || mesh.key_times.back() != 1) broken(mesh, "key times must run from 0 to 1");
-    for (size_t k = 1; k < keys; ++k)
-      if (!(mesh.key_times[k - 1] <= mesh.key_times[k])) broken(mesh, "key times must ascend");
-  }
+  check_key_times(mesh);
   for (const auto& key : mesh.positions) {
     if (key.size() != vertices) broken(mesh, "its keys differ in their number of vertices");
     for (const Vec3f& p : key)
@@ -89,8 +130,8 @@ void validate_mesh(const Mesh& mesh) {
 }
 
 void validate_shot(const Shot& shot) {
+  validate_meshes(shot.meshes);
   for (const Mesh& mesh : shot.meshes) {
-    validate_mesh(mesh);
     if (!shot.materials.empty() && mesh.material >= shot.materials.size())
       broken(mesh, "its material " + std::to_string(mesh.material) + " is beyond the shot's " +
                        std::to_string(shot.materials.size()) + " materials");

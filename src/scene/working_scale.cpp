@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <utility>
 
 #include "base/parallel.h"
+#include "scene/instances.h"
 
 namespace kairos {
 
@@ -55,7 +57,16 @@ class ScaledCutOuts : public CutOuts {
 
 int working_exponent(std::span<const Mesh> meshes) {
   ExponentSum all;
-  for (const Mesh& mesh : meshes)
+  ObjectCorners corners;
+  for (const Mesh& mesh : meshes) {
+    for (const AffineMap& map : mesh.placements) {  // in place of all vertices, the corners of their box
+      std::array<Vec3f, 8> placed = corners.of(*mesh.object);
+      for (Vec3f& corner : placed) corner = map.point(corner);
+      const ExponentSum sum = exponents_of(placed);
+      const int64_t weight = static_cast<int64_t>(mesh.vertex_count() / placed.size()) + 1;
+      all.sum += sum.sum * weight;
+      all.count += sum.count * weight;
+    }
     for (const std::vector<Vec3f>& key : mesh.positions) {
       std::vector<ExponentSum> pieces((key.size() + kVerticesAtOnce - 1) / kVerticesAtOnce);
       parallel_for(pieces.size(), 1, [&](size_t first, size_t last) {
@@ -68,6 +79,7 @@ int working_exponent(std::span<const Mesh> meshes) {
         all.count += piece.count;
       }
     }
+  }
   if (all.count == 0) return 0;
   // Rounded down: the mean of a scene that is 2^k times as large is k more, exactly.
   const int64_t mean = all.sum / all.count - (all.sum % all.count < 0 ? 1 : 0);
@@ -75,22 +87,39 @@ int working_exponent(std::span<const Mesh> meshes) {
   return static_cast<int>(std::clamp<int64_t>(-mean, -kMostScale, kMostScale));
 }
 
+namespace {
+/// Without what tracing has no use for.
+Mesh scaled_copy(const Mesh& mesh, float scale) {
+  Mesh copy;
+  copy.name = mesh.name;
+  copy.triangles = mesh.triangles;
+  copy.key_times = mesh.key_times;
+  copy.positions = mesh.positions;
+  copy.material = mesh.material;
+  copy.one_sided = mesh.one_sided;
+  copy.placements = mesh.placements;
+  for (std::vector<Vec3f>& key : copy.positions)
+    parallel_for(key.size(), kVerticesAtOnce, [&](size_t first, size_t last) {
+      for (size_t v = first; v < last; ++v) key[v] = key[v] * scale;
+    });
+  // The object is scaled itself.
+  for (AffineMap& map : copy.placements)
+    for (Vec4f& row : map.rows) row.w *= scale;
+  return copy;
+}
+}  // namespace
+
 std::vector<Mesh> scaled_copies(std::span<const Mesh> meshes, int exponent) {
   const float scale = std::ldexp(1.0f, exponent);
+  std::map<const Mesh*, std::shared_ptr<const Mesh>> objects;
   std::vector<Mesh> copies;
   copies.reserve(meshes.size());
   for (const Mesh& mesh : meshes) {
-    Mesh& copy = copies.emplace_back(mesh);
-    copy.normals = {};
-    copy.tangents = {};
-    copy.uvs = {};
-    copy.more_uvs = {};
-    copy.colors = {};
-    copy.prim_ids = {};
-    for (std::vector<Vec3f>& key : copy.positions)
-      parallel_for(key.size(), kVerticesAtOnce, [&](size_t first, size_t last) {
-        for (size_t v = first; v < last; ++v) key[v] = key[v] * scale;
-      });
+    Mesh& copy = copies.emplace_back(scaled_copy(mesh, scale));
+    if (!mesh.object) continue;
+    std::shared_ptr<const Mesh>& object = objects[mesh.object.get()];
+    if (!object) object = std::make_shared<const Mesh>(scaled_copy(*mesh.object, scale));
+    copy.object = object;
   }
   return copies;
 }

@@ -123,6 +123,15 @@ void KeyframeMotion::normals(double time, Side, std::span<Vec3f> out) const {
             : to_float(normalize(transform_vector(matrix, mix(to_double(a[v]), to_double(b[v]), span.weight)) * sign));
 }
 
+std::shared_ptr<const VertexShape> KeyframeMotion::shape() const {
+  if (vertices_->positions.size() != 1) return nullptr;
+  VertexShape shape{vertices_->positions.front(), {}, {}};
+  if (has_normals()) shape.normals = vertices_->normals.front();
+  return std::make_shared<const VertexShape>(shape);
+}
+
+Mat4 KeyframeMotion::placement(double time, Side) const { return transform_.at(time); }
+
 namespace {
 
 /// Throws when between two keys direction and up become parallel, or one of them zero: where all components of their

@@ -44,6 +44,9 @@ class KeyframeMotion final : public VertexMotion {
   std::vector<double> kinks(double open, double close) const override;
   void positions(double time, Side side, std::span<Vec3d> out) const override;
   void normals(double time, Side side, std::span<Vec3f> out) const override;
+  std::shared_ptr<const VertexShape> shape() const override;
+  Mat4 placement(double time, Side side) const override;
+  bool turns_normals() const override { return mirrors_; }
 
   bool mirrors() const { return mirrors_; }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include "scene/scene.h"
 #include "scene_io/keyframes.h"
 #include "scene_io/mesh_data.h"
+#include "scene_io/turned_triangles.h"
 
 namespace kairos {
 
@@ -249,6 +251,19 @@ class SceneMaker {
     }
   }
 
+  /// What all instances of a mesh have in common, of which it is made when it is first asked for.
+  const SceneMesh& shared_of(uint32_t index) {
+    const auto [place, is_new] = shared_.try_emplace(index);
+    SceneMesh& shared = place->second;
+    if (!is_new) return shared;
+    MeshDescription& mesh = from_.meshes[index];
+    shared.triangles = std::move(mesh.triangles);
+    shared.uvs = std::move(mesh.uvs);
+    shared.more_uvs = std::move(mesh.more_uvs);
+    shared.colors = std::move(mesh.colors);
+    return shared;
+  }
+
   void place_instances() {
     std::vector<InstanceDescription>& instances = from_.instances;
     if (instances.empty())
@@ -263,12 +278,11 @@ class SceneMaker {
           std::make_shared<KeyframeMotion>(vertices_[instance.mesh], transform_of(instance.placement, place));
       SceneMesh placed;
       placed.name = instance.name.empty() ? mesh.name : instance.name;
-      placed.triangles = mesh.triangles;
-      if (motion->mirrors())
-        for (Triangle& t : placed.triangles) std::swap(t[1], t[2]);
-      placed.uvs = mesh.uvs;
-      placed.more_uvs = mesh.more_uvs;
-      placed.colors = mesh.colors;
+      const SceneMesh& shared = shared_of(instance.mesh);
+      placed.triangles = motion->mirrors() ? turned_.of(shared.triangles) : shared.triangles;
+      placed.uvs = shared.uvs;
+      placed.more_uvs = shared.more_uvs;
+      placed.colors = shared.colors;
       placed.material = instance.material.value_or(mesh.material);
       check_material_index(placed.material, place);
       placed.motion = motion;
@@ -290,6 +304,8 @@ class SceneMaker {
   SceneDescription from_;
   Scene scene_;
   std::vector<std::shared_ptr<const VertexKeys>> vertices_;  // [mesh]
+  std::map<uint32_t, SceneMesh> shared_;                     // by mesh
+  TurnedTriangles turned_;
 };
 
 }  // namespace

@@ -49,4 +49,8 @@ void PlacedMotion::tangents(double time, Side side, std::span<Vec4f> out) const 
   }
 }
 
+Mat4 PlacedMotion::placement(double time, Side side) const {
+  return transform_.at(time) * inner_->placement(time, side);
+}
+
 }  // namespace kairos

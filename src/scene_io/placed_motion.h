@@ -22,6 +22,9 @@ class PlacedMotion final : public VertexMotion {
   void normals(double time, Side side, std::span<Vec3f> out) const override;
   bool has_tangents() const override { return inner_->has_tangents(); }
   void tangents(double time, Side side, std::span<Vec4f> out) const override;
+  std::shared_ptr<const VertexShape> shape() const override { return inner_->shape(); }
+  Mat4 placement(double time, Side side) const override;
+  bool turns_normals() const override { return inner_->turns_normals() != transform_.mirrors(); }
 
  private:
   std::shared_ptr<const VertexMotion> inner_;

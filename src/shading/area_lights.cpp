@@ -26,7 +26,7 @@ Vec3d double_area(const std::array<Vec3d, 3>& v) { return cross(v[1] - v[0], v[2
 LightBounds bounds_of(const Mesh& mesh, uint32_t triangle, bool front_only, double brightness) {
   const auto corners = [&](size_t key) {
     std::array<Vec3d, 3> v;
-    for (size_t i = 0; i < 3; ++i) v[i] = to_double(mesh.positions[key][mesh.triangles[triangle][i]]);
+    for (size_t i = 0; i < 3; ++i) v[i] = to_double(mesh.position(key, mesh.triangle(triangle)[i]));
     return v;
   };
   LightBounds bounds;
@@ -78,7 +78,7 @@ AreaLights::AreaLights(const Shot& shot, const Looks& looks) : shot_(shot), look
     const float brightness = luminance(material.emission);
     if (!(brightness > 0) || !std::isfinite(brightness)) continue;
     first_.emplace_back(m, place_.size());
-    for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (uint32_t i = 0; i < mesh.triangle_count(); ++i) {
       const bool front_only = mesh.one_sided || material.one_sided_emission;
       const LightBounds one = bounds_of(mesh, i, front_only, static_cast<double>(brightness));
       if (!(one.power > 0) || !std::isfinite(one.power)) {

@@ -88,16 +88,16 @@ Looks::Looks(const Shot& shot) : shot_(shot) {
       entry.normal = slot(textures.normal, material.normal_texture);
     }
     entry.varies = entry.base_color.texture || entry.emission.texture || entry.metallic_roughness.texture ||
-                   entry.alpha.texture || !mesh.colors.empty();
-    entry.has_vertex_alpha =
-        std::any_of(mesh.colors.begin(), mesh.colors.end(), [](const Vec4f& colour) { return colour.w != 1; });
+                   entry.alpha.texture || !mesh.shape().colors.empty();
+    entry.has_vertex_alpha = std::any_of(mesh.shape().colors.begin(), mesh.shape().colors.end(),
+                                         [](const Vec4f& colour) { return colour.w != 1; });
     entries_.push_back(entry);
   }
 }
 
 Vec4f Looks::vertex_colour(uint32_t mesh, uint32_t triangle, const std::array<float, 3>& weights) const {
-  const Triangle& corners = shot_.meshes[mesh].triangles[triangle];
-  const std::vector<Vec4f>& colors = shot_.meshes[mesh].colors;
+  const Triangle& corners = shot_.meshes[mesh].triangle(triangle);
+  const std::vector<Vec4f>& colors = shot_.meshes[mesh].shape().colors;
   const Vec4f &a = colors[corners[0]], &b = colors[corners[1]], &c = colors[corners[2]];
   // As differences from the first corner: what is even stays so, to the bit.
   const auto mix = [&](float p, float q, float r) { return p + (q - p) * weights[1] + (r - p) * weights[2]; };
@@ -110,8 +110,8 @@ Look Looks::at(uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& ver
   const Material& material = *entry.material;
   Look look{material.base_color, material.emission, material.alpha, material.metallic, material.roughness};
   if (!entry.varies) return look;
-  Point point(shot_.meshes[mesh].triangles[triangle], vertices, weights, width);
-  if (!shot_.meshes[mesh].colors.empty()) {
+  Point point(shot_.meshes[mesh].triangle(triangle), vertices, weights, width);
+  if (!shot_.meshes[mesh].shape().colors.empty()) {
     const Vec4f colour = vertex_colour(mesh, triangle, weights);
     look.base_colour = look.base_colour * Vec3f{colour.x, colour.y, colour.z};
     look.alpha *= colour.w;
@@ -145,7 +145,7 @@ AlphaPoint Looks::alpha_at(uint32_t mesh, uint32_t triangle, const std::array<Ve
   if (entry.has_vertex_alpha) result.alpha *= vertex_colour(mesh, triangle, weights).w;
   const Slot* slot = alpha_picture(mesh);
   if (!slot) return result;
-  Point point(shot_.meshes[mesh].triangles[triangle], vertices, weights, width);
+  Point point(shot_.meshes[mesh].triangle(triangle), vertices, weights, width);
   const Texel texel = point.look_up(*slot);
   result.alpha *= slot == &entry.alpha ? texel.colour.x : texel.alpha;
   const float scale = 1 / std::max(1.0f, point.footprint(*slot->texture));
@@ -156,14 +156,14 @@ AlphaPoint Looks::alpha_at(uint32_t mesh, uint32_t triangle, const std::array<Ve
 
 Vec3f Looks::normal_at(uint32_t mesh, uint32_t triangle, const std::array<Vec3d, 3>& vertices,
                        const std::array<float, 3>& weights, double width) const {
-  Point point(shot_.meshes[mesh].triangles[triangle], vertices, weights, width);
+  Point point(shot_.meshes[mesh].triangle(triangle), vertices, weights, width);
   const Vec3f code = point.look_up(entries_[mesh].normal).colour;
   return code * 2.0f - Vec3f{1, 1, 1};
 }
 
 std::array<Vec2f, 3> Looks::normal_uvs(uint32_t mesh, uint32_t triangle) const {
   const Slot& slot = entries_[mesh].normal;
-  const Triangle& corners = shot_.meshes[mesh].triangles[triangle];
+  const Triangle& corners = shot_.meshes[mesh].triangle(triangle);
   std::array<Vec2f, 3> uvs;
   for (size_t i = 0; i < 3; ++i) uvs[i] = slot.ref->place((*slot.uvs)[corners[i]]);
   return uvs;

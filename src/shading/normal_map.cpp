@@ -32,16 +32,16 @@ TangentFrame tangent_frame(const std::array<Vec3d, 3>& vertices, const std::arra
 }
 
 Vec4f interpolated_tangent(const Mesh& mesh, uint32_t triangle, const std::array<float, 3>& weights, float time) {
-  const KeyPosition key = mesh.tangents.size() == 1 ? KeyPosition{} : key_position(mesh, time);
-  const Triangle& corners = mesh.triangles[triangle];
+  const KeyPosition key = mesh.tangent_key_count() == 1 ? KeyPosition{} : key_position(mesh, time);
+  const Triangle& corners = mesh.triangle(triangle);
   const auto direction = [](const Vec4f& tangent) { return Vec3f{tangent.x, tangent.y, tangent.z}; };
   Vec3f sum{};
   for (size_t i = 0; i < 3; ++i)
-    sum += lerp(direction(mesh.tangents[key.first][corners[i]]), direction(mesh.tangents[key.second][corners[i]]),
+    sum += lerp(direction(mesh.tangent(key.first, corners[i])), direction(mesh.tangent(key.second, corners[i])),
                 key.weight) *
            weights[i];
   const Vec3f unit = normalize(sum);
-  return {unit.x, unit.y, unit.z, mesh.tangents[key.first][corners[0]].w};
+  return {unit.x, unit.y, unit.z, mesh.tangent(key.first, corners[0]).w};
 }
 
 Vec3d mapped_normal(Vec3f bend, const TangentFrame& frame, Vec3d normal, double seen, Vec3d to_viewer) {

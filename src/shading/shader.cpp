@@ -28,7 +28,7 @@ Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_dep
   }
   for (uint32_t m = 0; m < shot.meshes.size(); ++m) {
     const Mesh& mesh = shot.meshes[m];
-    const bool still = mesh.is_static() && mesh.normals.size() < 2 && !shot.camera_moves;
+    const bool still = mesh.is_static() && mesh.normal_key_count() < 2 && !shot.camera_moves;
     varies_.push_back(whitted_ || ((want_normal_ || looks_->varies(m)) && !still));
     is_even_.push_back(!whitted_ && (kind == ShadingKind::normal || !looks_->varies(m)));
   }
@@ -47,7 +47,7 @@ bool Shader::joined(const Segment& first, const Segment& second) const {
 Vec3f Shader::normal(const Ray& ray, uint32_t mesh_index, uint32_t triangle, float time) const {
   const Mesh& mesh = shot_.meshes[mesh_index];
   const std::array<Vec3d, 3> vertices = triangle_at(mesh, triangle, time);
-  if (!mesh.normals.empty()) {
+  if (mesh.normal_key_count() != 0) {
     const Vec3f own = interpolated_normal(mesh, triangle, barycentrics(vertices, ray), time);
     if (own != Vec3f{}) return own;
   }

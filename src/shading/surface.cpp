@@ -19,13 +19,13 @@ std::array<Vec3d, 3> triangle_at(const Mesh& mesh, uint32_t triangle, float time
 }
 
 std::array<Vec3d, 3> triangle_at(const Mesh& mesh, uint32_t triangle, const KeyPosition& key) {
-  const Triangle& corners = mesh.triangles[triangle];
+  const Triangle& corners = mesh.triangle(triangle);
   std::array<Vec3d, 3> vertices;
   for (size_t i = 0; i < 3; ++i) {
-    const Vec3d first = to_double(mesh.positions[key.first][corners[i]]);
+    const Vec3d first = to_double(mesh.position(key.first, corners[i]));
     vertices[i] = key.first == key.second
                       ? first
-                      : lerp(first, to_double(mesh.positions[key.second][corners[i]]), static_cast<double>(key.weight));
+                      : lerp(first, to_double(mesh.position(key.second, corners[i])), static_cast<double>(key.weight));
   }
   return vertices;
 }
@@ -43,12 +43,12 @@ std::array<float, 3> barycentrics(const std::array<Vec3d, 3>& vertices, const Ra
 }
 
 Vec3f interpolated_normal(const Mesh& mesh, uint32_t triangle, const std::array<float, 3>& weights, float time) {
-  if (mesh.normals.empty()) return {};
-  const KeyPosition key = mesh.normals.size() == 1 ? KeyPosition{} : key_position(mesh, time);
-  const Triangle& corners = mesh.triangles[triangle];
+  if (mesh.normal_key_count() == 0) return {};
+  const KeyPosition key = mesh.normal_key_count() == 1 ? KeyPosition{} : key_position(mesh, time);
+  const Triangle& corners = mesh.triangle(triangle);
   Vec3f normal{};
   for (size_t i = 0; i < 3; ++i) {
-    const Vec3f first = mesh.normals[key.first][corners[i]], second = mesh.normals[key.second][corners[i]];
+    const Vec3f first = mesh.normal(key.first, corners[i]), second = mesh.normal(key.second, corners[i]);
     normal += lerp(first, second, key.weight) * weights[i];
   }
   return normalize(normal);

@@ -70,7 +70,7 @@ Vec3d SurfacePoints::bent_normal(const SurfacePoint& p, const std::array<Vec3d, 
   const double seen = p.entering ? 1 : -1;
   const Vec3d front = p.normal * seen;
   TangentFrame frame;
-  if (!mesh.tangents.empty()) {
+  if (mesh.tangent_key_count() != 0) {
     const Vec4f own = interpolated_tangent(mesh, p.triangle, weights, instant.time);
     frame = tangent_frame(instant.place.vector_from_world(Vec3d{own.x, own.y, own.z}), own.w, front);
   } else {

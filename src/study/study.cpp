@@ -29,8 +29,8 @@ SceneFacts facts_of(const std::string& name, const Shot& shot, size_t parts, int
   const int height = parts > 0 ? static_cast<int>(parts) : shot.projection.height;  // a row each
   SceneFacts facts{name, shot.projection.width, height, 0, 0, keys};
   for (const Mesh& mesh : shot.meshes) {
-    facts.triangles += mesh.triangles.size();
-    if (!mesh.is_static()) facts.moving_triangles += mesh.triangles.size();
+    facts.triangles += mesh.triangle_count();
+    if (!mesh.is_static()) facts.moving_triangles += mesh.triangle_count();
   }
   return facts;
 }

@@ -110,7 +110,8 @@ bool is_blended(const Shot& shot, const Mesh& mesh) {
          shot.materials[mesh.material].alpha_mode == Material::AlphaMode::blend;
 }
 
-void put_mesh(ByteWriter& out, const Shot& shot, const Mesh& mesh) {
+void put_mesh(ByteWriter& out, const Shot& shot, const Mesh& placed) {
+  const Mesh mesh = expanded(placed);
   const bool left_out = is_blended(shot, mesh) || mesh.triangles.empty();
   out.put(static_cast<uint32_t>(mesh.name.size()));
   out.put(static_cast<uint32_t>(left_out ? 0 : mesh.triangles.size()));

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "kernels/dispatch.h"
 #include "kernels/ray_frame.h"
+#include "scene/instances.h"
 #include "scene/working_scale.h"
 
 namespace kairos {
@@ -33,9 +34,16 @@ void check(const TraceLimits& limits) {
 
 float largest_coordinate(std::span<const Mesh> meshes) {
   float largest = 0;
-  for (const Mesh& mesh : meshes)
+  const auto include = [&](const Vec3f& p) {
+    largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  };
+  ObjectCorners corners;
+  for (const Mesh& mesh : meshes) {
     for (const std::vector<Vec3f>& key : mesh.positions)
-      for (const Vec3f& p : key) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+      for (const Vec3f& p : key) include(p);
+    for (const AffineMap& map : mesh.placements)
+      for (const Vec3f& corner : corners.of(*mesh.object)) include(map.point(corner));
+  }
   return largest;
 }
 
@@ -85,7 +93,7 @@ TraceCounters Tracer::Workspace::counters() const {
 std::span<const Segment> Tracer::Workspace::blended() const { return state_->rays[0].blended; }
 
 Tracer::Tracer(std::span<const Mesh> meshes, const TracerOptions& options) : impl_(std::make_unique<Impl>()) {
-  for (const Mesh& mesh : meshes) validate_mesh(mesh);
+  validate_meshes(meshes);
   impl_->instruction_set = options.instruction_set.value_or(supported_instruction_sets().back());
   const Kernels* kernels = find_kernels(impl_->instruction_set);
   if (kernels == nullptr)

@@ -5,6 +5,7 @@ import json
 import math
 import struct
 import sys
+import zlib
 
 
 def packed(numbers):
@@ -28,16 +29,17 @@ def packed_faces(corners):
 
 
 class Mesh:
-    """Triangles with one position per vertex and key. `smooth`: with a normal per vertex and key, too."""
+    """Triangles with one position per vertex and key. `smooth`: with a normal per vertex and key, too. `pictured`: with
+    a place in the material's pictures, counted from their lower left corner."""
 
-    def __init__(self, name, material, keys=1, smooth=False):
-        self.name, self.material, self.smooth = name, material, smooth
-        self.rows = [array.array("f") for _ in range(keys)]  # per key: x y z, and nx ny nz if smooth
+    def __init__(self, name, material, keys=1, smooth=False, pictured=False):
+        self.name, self.material, self.smooth, self.pictured = name, material, smooth, pictured
+        self.rows = [array.array("f") for _ in range(keys)]  # per key: x y z, nx ny nz if smooth, s t if pictured
         self.triangles = array.array("i")
         self.count = 0  # of vertices
 
     def add(self, keys, triangles):
-        """`keys`: a list of vertices per key; a vertex is (x, y, z), or six numbers if smooth. Indices into them."""
+        """`keys`: a list of vertices per key; a vertex is (x, y, z), and more if smooth or pictured. Indices into them."""
         for row, vertices in zip(self.rows, keys, strict=True):
             for vertex in vertices:
                 row.extend(vertex)
@@ -54,6 +56,8 @@ class Mesh:
         properties = [f"property float {name}" for name in names]
         if self.smooth:
             properties += [f"property float n{name}" for name in names]
+        if self.pictured:
+            properties += ["property float s", "property float t"]
         lines = ["ply", "format binary_little_endian 1.0", f"element vertex {self.count}", *properties,
                  f"element face {self.triangle_count()}", "property list uchar int vertex_indices", "end_header", ""]
         faces = packed_faces(self.triangles)
@@ -88,17 +92,41 @@ class Scene:
         self.json.setdefault("lights", []).append({"type": kind, **properties})
 
     def mesh(self, mesh, **fields):
-        """`fields`: times, transform, as the scene file has them."""
+        """`fields`: times, transform, as the scene file has them. Returns the names of its files, for copies."""
         if mesh.triangle_count() == 0:
-            return
+            return []
         entry = {"name": mesh.name, "keys": mesh.write(self.folder), "material": mesh.material, **fields}
         self.json.setdefault("meshes", []).append(entry)
         self.triangles += mesh.triangle_count()
+        return entry["keys"]
+
+    def copies(self, mesh, files, transforms):
+        """The mesh of such files once more for each transform: a matrix, column after column, or a list of them that
+        are spread evenly over times 0 to 1."""
+        for i, transform in enumerate(transforms):
+            if isinstance(transform[0], (tuple, list)):
+                last = len(transform) - 1
+                transform = [{"time": k / last, "matrix": list(matrix)} for k, matrix in enumerate(transform)]
+            else:
+                transform = {"matrix": list(transform)}
+            self.json.setdefault("meshes", []).append(
+                {"name": f"{mesh.name}{i}", "keys": files, "material": mesh.material, "transform": transform})
+            self.triangles += mesh.triangle_count()
 
     def write(self):
         path = self.folder / "scene.json"
-        path.write_text(json.dumps(self.json, indent=1) + "\n")
+        path.write_text(json.dumps(self.json, indent=1 if len(self.json.get("meshes", [])) < 10000 else None) + "\n")
         return path
+
+
+def write_gray_png(path, rows):
+    """A picture of one channel: rows of bytes, from the top."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 0, 0, 0, 0)
+    data = zlib.compress(b"".join(b"\0" + bytes(row) for row in rows), 9)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", data) + chunk(b"IEND", b""))
 
 
 def many(count, scale, least=1):

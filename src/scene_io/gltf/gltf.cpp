@@ -19,6 +19,7 @@
 #include "scene_io/gltf/nodes.h"
 #include "scene_io/gltf/primitive.h"
 #include "scene_io/gltf/surface.h"
+#include "scene_io/turned_triangles.h"
 
 namespace kairos {
 
@@ -96,6 +97,22 @@ class SceneReader {
     bool is_visible;
   };
 
+  /// What all meshes that are made of one primitive have in common.
+  struct SharedSurface {
+    SharedArray<Triangle> triangles;
+    SharedArray<Vec2f> uvs;
+    SharedArray<std::vector<Vec2f>> more_uvs;
+    SharedArray<Vec4f> colors;
+    SharedArray<uint32_t> prim_ids;
+
+    explicit SharedSurface(const Primitive& from)
+        : triangles(from.triangles),
+          uvs(from.uvs),
+          more_uvs(from.more_uvs),
+          colors(from.colors),
+          prim_ids(from.prim_ids) {}
+  };
+
   /// All nodes of the scene, parents before children and siblings in the file's order.
   std::vector<SeenNode> nodes_of_scene() const {
     const std::vector<int> first = roots();
@@ -144,19 +161,21 @@ class SceneReader {
 
   void add_mesh(const std::string& name, const Primitive& primitive, std::shared_ptr<const MeshMotion> motion,
                 const std::string& where) {
-    document_.charge(primitive.triangles.size() * (sizeof(Triangle) + sizeof(uint32_t)) +
-                         primitive.positions.size() * (1 + primitive.more_uvs.size()) * sizeof(Vec2f) +
-                         primitive.colors.size() * sizeof(Vec4f) + sizeof(SceneMesh),
-                     where);
+    const auto [found, is_new] = surfaces_.try_emplace(&primitive, primitive);
+    const SharedSurface& surface = found->second;
+    // Triangles are there twice where some of its nodes mirror.
+    const uint64_t shared = 2 * primitive.triangles.size() * sizeof(Triangle) +
+                            primitive.triangles.size() * sizeof(uint32_t) +
+                            primitive.positions.size() * (1 + primitive.more_uvs.size()) * sizeof(Vec2f) +
+                            primitive.colors.size() * sizeof(Vec4f);
+    document_.charge((is_new ? shared : 0) + sizeof(SceneMesh), where);
     SceneMesh result;
     result.name = names_.make(name);
-    result.triangles = primitive.triangles;
-    if (motion->mirrors())
-      for (Triangle& triangle : result.triangles) std::swap(triangle[1], triangle[2]);
-    result.uvs = primitive.uvs;
-    result.more_uvs = primitive.more_uvs;
-    result.colors = primitive.colors;
-    result.prim_ids = primitive.prim_ids;
+    result.triangles = motion->mirrors() ? turned_.of(surface.triangles) : surface.triangles;
+    result.uvs = surface.uvs;
+    result.more_uvs = surface.more_uvs;
+    result.colors = surface.colors;
+    result.prim_ids = surface.prim_ids;
     result.material = primitive.material;
     result.motion = std::move(motion);
     scene_.meshes.push_back(std::move(result));
@@ -220,6 +239,8 @@ class SceneReader {
   Document document_;
   std::shared_ptr<const NodeGraph> graph_;
   std::map<size_t, std::vector<std::shared_ptr<const Primitive>>> primitives_;
+  std::map<const Primitive*, SharedSurface> surfaces_;
+  TurnedTriangles turned_;
   std::map<int, std::shared_ptr<const Skin>> skins_;
   UniqueNames names_, camera_names_;
   Scene scene_;

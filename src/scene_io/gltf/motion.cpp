@@ -147,6 +147,11 @@ void MeshMotion::tangents(double time, Side side, std::span<Vec4f> out) const {
   });
 }
 
+std::shared_ptr<const VertexShape> MeshMotion::shape() const {
+  if (skin_ || !primitive_->targets.empty()) return nullptr;
+  return std::make_shared<const VertexShape>(primitive_->shape());
+}
+
 std::vector<double> NodeMotion::kinks(double open, double close) const {
   std::vector<double> result;
   graph_->add_kinks(node_, open, close, result);

@@ -44,6 +44,9 @@ class MeshMotion final : public VertexMotion {
   void normals(double time, Side side, std::span<Vec3f> out) const override;
   bool has_tangents() const override { return !primitive_->tangents.empty(); }
   void tangents(double time, Side side, std::span<Vec4f> out) const override;
+  std::shared_ptr<const VertexShape> shape() const override;
+  Mat4 placement(double time, Side side) const override { return world(time, side); }
+  bool turns_normals() const override { return mirrors_; }
 
   /// True when the rest pose mirrors: the triangles are to be turned round.
   bool mirrors() const { return mirrors_; }

@@ -9,6 +9,7 @@
 #include <kairos/mesh.h>
 #include <kairos/scene.h>
 
+#include "scene/motion.h"
 #include "scene_io/gltf/document.h"
 
 namespace kairos::gltf {
@@ -40,6 +41,7 @@ struct Primitive {
   uint32_t material = 0;            ///< index into the scene's materials
 
   bool is_skinned() const { return !influence_begin.empty(); }
+  VertexShape shape() const { return {positions, normals, tangents}; }
 };
 
 /// Null for a primitive of points or lines, or without positions (with a warning). Triangles that name vertices that

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include "scene_io/native/parts.h"
 #include "scene_io/placed_motion.h"
 #include "scene_io/text_numbers.h"
+#include "scene_io/turned_triangles.h"
 
 namespace kairos {
 
@@ -108,8 +110,14 @@ class NativeReader {
     const auto animation = node.find("animation");
     if (animation) context_.options.animation = animation->string();
     Scene scene;
+    const std::pair included(path, context_.options.animation);
     try {
-      scene = load_file(path, context_);
+      auto found = included_.find(included);
+      if (found == included_.end()) found = included_.emplace(included, load_file(path, context_)).first;
+      scene = found->second;
+      // Said once.
+      found->second.warnings.clear();
+      found->second.notes.clear();
     } catch (const Error& error) {  // it is not the caller who named an animation that is not there
       if (!animation || error.code() != ErrorCode::bad_usage) throw;
       animation->fail(error.what());
@@ -124,8 +132,7 @@ class NativeReader {
     scene.brings_lights = false;
     const TransformKeys transform = read_transform(*given);
     for (SceneMesh& mesh : scene.meshes) {
-      if (transform.mirrors())
-        for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+      if (transform.mirrors()) mesh.triangles = turned_.of(mesh.triangles);
       mesh.motion = std::make_shared<PlacedMotion>(mesh.motion, transform);
     }
     has_keys_ = has_keys_ || transform.matrices.size() > 1;
@@ -164,26 +171,44 @@ class NativeReader {
         material->fail("no material '" + printable(material->string()) + "' in this file's 'materials'");
       material_of_all = found->second;
     }
-    MeshFile file = load_mesh_file(paths, !material, context_);
+    for (const FilePart& part : parts_of(paths, times, !material)) {
+      SceneMesh mesh = part.mesh;
+      mesh.name = mesh_name + part.mesh.name;
+      if (!part.has_material) mesh.material = material_of_all;
+      const auto motion = std::make_shared<KeyframeMotion>(part.vertices, transform);
+      if (motion->mirrors()) mesh.triangles = turned_.of(mesh.triangles);
+      mesh.motion = motion;
+      scene_.meshes.push_back(std::move(mesh));
+    }
+  }
+
+  /// What a file's triangles of one material give to a mesh. mesh.name: what is added to the mesh's own.
+  struct FilePart {
+    SceneMesh mesh;
+    std::shared_ptr<const VertexKeys> vertices;
+    bool has_material;
+  };
+
+  /// The same files are read once, however many meshes are made of them.
+  const std::vector<FilePart>& parts_of(const std::vector<std::string>& paths, const std::vector<double>& times,
+                                        bool with_materials) {
+    const auto [place, is_new] = parts_.try_emplace({paths, times, with_materials});
+    std::vector<FilePart>& parts = place->second;
+    if (!is_new) return parts;
+    MeshFile file = load_mesh_file(paths, with_materials, context_);
     for (std::string& warning : file.warnings) scene_.warnings.push_back(std::move(warning));
     const auto first = static_cast<uint32_t>(scene_.materials.size());
     for (MaterialPart& part : file.parts) {
-      SceneMesh mesh;
-      mesh.name = file.parts.size() == 1 ? mesh_name : mesh_name + "." + file.materials[part.material].name;
-      mesh.material = file.materials.empty() ? material_of_all : first + part.material;
-      fill(mesh, part.data, times, transform);
-      scene_.meshes.push_back(std::move(mesh));
+      FilePart& made = parts.emplace_back();
+      if (file.parts.size() > 1) made.mesh.name = "." + file.materials[part.material].name;
+      made.has_material = !file.materials.empty();
+      if (made.has_material) made.mesh.material = first + part.material;
+      made.vertices = std::make_shared<const VertexKeys>(
+          VertexKeys{times, std::move(part.data.positions), std::move(part.data.normals)});
+      take_surface(made.mesh, part.data);
     }
     for (Material& one : file.materials) scene_.materials.push_back(std::move(one));
-  }
-
-  static void fill(SceneMesh& mesh, MeshData& data, std::vector<double> times, TransformKeys transform) {
-    const auto motion = std::make_shared<KeyframeMotion>(
-        VertexKeys{std::move(times), std::move(data.positions), std::move(data.normals)}, std::move(transform));
-    take_surface(mesh, data);
-    if (motion->mirrors())
-      for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
-    mesh.motion = motion;
+    return parts;
   }
 
   const JsonNode& root_;
@@ -191,6 +216,9 @@ class NativeReader {
   LoadContext& context_;
   Scene scene_;
   std::map<std::string, uint32_t> material_index_;
+  std::map<std::pair<std::string, std::string>, Scene> included_;  // by file and animation
+  std::map<std::tuple<std::vector<std::string>, std::vector<double>, bool>, std::vector<FilePart>> parts_;
+  TurnedTriangles turned_;
   bool has_keys_ = false;  ///< does anything in this file itself have several keys?
 };
 

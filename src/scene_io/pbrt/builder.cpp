@@ -215,14 +215,16 @@ void Builder::add_use(Use use, const Place& place) {
   --uses_left_;
   constexpr uint64_t kBytesOfUse = 512;  // with its motion and its mesh
   load_.budget.charge(kBytesOfUse, place.text());
-  if (use.geometry) charge_copy(*use.geometry, place);
+  if (use.geometry) charge_surface(use.geometry, place);
   (object_ ? objects_[*object_] : uses_).push_back(std::move(use));
 }
 
-/// Where a shape comes to lie it gets copies of its triangles, and perhaps of its texture coordinates.
-void Builder::charge_copy(const Geometry& geometry, const Place& place) {
+/// The meshes that are made of a geometry share triangles, in both orders, and texture coordinates; a light's are its
+/// own, but triangles of lights are few.
+void Builder::charge_surface(const std::shared_ptr<const Geometry>& geometry, const Place& place) {
+  if (!charged_.insert(geometry).second) return;
   load_.budget.charge(
-      geometry.triangles.size() * (sizeof(Triangle) + sizeof(uint32_t)) + geometry.uvs.size() * sizeof(Vec2f),
+      geometry->triangles.size() * (2 * sizeof(Triangle) + sizeof(uint32_t)) + geometry->uvs.size() * sizeof(Vec2f),
       place.text());
 }
 
@@ -275,6 +277,21 @@ void turn_to_normals(const Geometry& geometry, std::vector<Triangle>& triangles)
 
 }  // namespace
 
+const SceneMesh& Builder::surface_of(const std::shared_ptr<const Geometry>& geometry) {
+  const auto [place, is_new] = surfaces_.try_emplace(geometry);
+  SceneMesh& surface = place->second;
+  if (!is_new) return surface;
+  surface.triangles = geometry->triangles;
+  surface.prim_ids = geometry->prim_ids;
+  std::vector<Vec2f> uvs = geometry->uvs;
+  for (Vec2f& uv : uvs) {
+    uv.y = 1 - uv.y;  // pbrt counts from the lower edge, we from the upper
+    if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = {};
+  }
+  surface.uvs = std::move(uvs);
+  return surface;
+}
+
 void Builder::add_mesh(const Use& use, const TransformPath& outside, SceneLooks& looks, QuadricMeshes& quadrics) {
   const Look& look = *use.look;
   if (SceneLooks::is_nothing(look)) return warnings.add(look.place, "shapes that cannot be seen are left out");
@@ -282,12 +299,14 @@ void Builder::add_mesh(const Use& use, const TransformPath& outside, SceneLooks&
   const Geometry& geometry = *shared;
   if (use.quadric) {
     take_triangles(geometry.triangles.size(), look.place);
-    charge_copy(geometry, look.place);
+    charge_surface(shared, look.place);
   }
   SceneMesh mesh;
   mesh.name = use.name;
-  mesh.triangles = geometry.triangles;
-  mesh.prim_ids = geometry.prim_ids;
+  const SceneMesh& surface = surface_of(shared);
+  mesh.triangles = surface.triangles;
+  mesh.prim_ids = surface.prim_ids;
+  mesh.uvs = surface.uvs;
   Vec3f emitted;
   if (look.light) {
     emitted = look.light->radiance;
@@ -297,17 +316,11 @@ void Builder::add_mesh(const Use& use, const TransformPath& outside, SceneLooks&
       const double pieces = geometry.is_one_shape ? static_cast<double>(geometry.triangles.size()) : 1;
       emitted = light_of_power(*look.light, pieces * mean_triangle_area(geometry, use.path));
     }
-    if (!look.light->two_sided) turn_to_normals(geometry, mesh.triangles);
+    if (!look.light->two_sided) turn_to_normals(geometry, mesh.triangles.edit());
   }
   mesh.material = looks.material_of(look, emitted);
-  mesh.uvs = geometry.uvs;
-  for (Vec2f& uv : mesh.uvs) {
-    uv.y = 1 - uv.y;  // pbrt counts from the lower edge, we from the upper
-    if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = {};
-  }
   const auto motion = std::make_shared<InstanceMotion>(geometry.vertices, outside.then(use.path), use.reversed);
-  if (motion->mirrors() != use.reversed)
-    for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  if (motion->mirrors() != use.reversed) mesh.triangles = turned_.of(mesh.triangles);
   mesh.motion = motion;
   scene_.meshes.push_back(std::move(mesh));
 }

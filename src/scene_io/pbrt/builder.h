@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "scene_io/pbrt/light.h"
 #include "scene_io/pbrt/look.h"
 #include "scene_io/pbrt/quadric_meshes.h"
+#include "scene_io/turned_triangles.h"
 
 namespace kairos::pbrt {
 
@@ -90,9 +92,11 @@ class Builder {
   Alpha read_alpha(const Parameters& parameters);
   void add_use(Use use, const Place& place);
   void take_triangles(uint64_t count, const Place& place);
-  void charge_copy(const Geometry& geometry, const Place& place);
+  void charge_surface(const std::shared_ptr<const Geometry>& geometry, const Place& place);
   void add_curve_shape(const Parameters& parameters, const Alpha& alpha);
   void add_mesh(const Use& use, const TransformPath& outside, SceneLooks& looks, QuadricMeshes& quadrics);
+  /// What all meshes that are made of a geometry have in common.
+  const SceneMesh& surface_of(const std::shared_ptr<const Geometry>& geometry);
   void expose(const Camera& camera);
 
   SceneFolder folder_;
@@ -112,6 +116,9 @@ class Builder {
   std::map<std::string, std::shared_ptr<const Geometry>> ply_files_;
   std::optional<Screen> screen_;    ///< once the world has begun, where there is a camera
   std::optional<Strands> strands_;  ///< the last statement, where it was a curve
+  std::map<std::shared_ptr<const Geometry>, SceneMesh> surfaces_;
+  std::set<std::shared_ptr<const Geometry>> charged_;
+  TurnedTriangles turned_;
   Scene scene_;
 };
 

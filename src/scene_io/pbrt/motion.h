@@ -81,6 +81,11 @@ class InstanceMotion final : public VertexMotion {
   std::vector<double> kinks(double open, double close) const override { return path_.kinks(open, close); }
   void positions(double time, Side side, std::span<Vec3d> out) const override;
   void normals(double time, Side side, std::span<Vec3f> out) const override;
+  std::shared_ptr<const VertexShape> shape() const override {
+    return std::make_shared<const VertexShape>(VertexShape{vertices_->positions, vertices_->normals, {}});
+  }
+  Mat4 placement(double time, Side side) const override { return path_.at(time, side); }
+  bool turns_normals() const override { return mirrors_ != reversed_; }
 
   bool mirrors() const { return mirrors_; }  ///< at the path's start, by its determinant
 
