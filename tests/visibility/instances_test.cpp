@@ -7,7 +7,9 @@
 #include <kairos/render.h>
 
 #include "discrete/discrete_scene.h"
+#include "gltf_builder.h"
 #include "soup.h"
+#include "temp_folder.h"
 
 namespace kairos::test {
 namespace {
@@ -283,6 +285,70 @@ TEST(Instances, AreLeftAloneWhereTheyAreFlatOrFew) {
   EXPECT_TRUE(shot.meshes[0].object);
   EXPECT_FALSE(shot.meshes[1].object);
   EXPECT_EQ(shot.meshes[0].object, shot.meshes[2].object);
+}
+
+/// Files that place a tetrahedron three times, the third one mirrored, in each format that can say so.
+std::vector<std::string> files_with_copies(const TempFolder& folder) {
+  GltfBuilder gltf;
+  const std::vector<float> corners{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const std::vector<uint16_t> indices{0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+  gltf.mesh_node(
+      {{"attributes", {{"POSITION", gltf.accessor(corners, "VEC3")}}}, {"indices", gltf.accessor(indices, "SCALAR")}});
+  gltf.push("nodes", {{"mesh", 0}, {"translation", {2, 0, 0}}});
+  gltf.push("nodes", {{"mesh", 0}, {"translation", {4, 0, 0}}, {"scale", {-1, 1, 1}}});
+  GltfBuilder copies = gltf;
+  copies.root["nodes"] = nlohmann::json::array();
+  copies.push("nodes",
+              {{"mesh", 0},
+               {"extensions",
+                {{"EXT_mesh_gpu_instancing",
+                  {{"attributes",
+                    {{"TRANSLATION", copies.accessor(std::vector<float>{0, 0, 0, 2, 0, 0, 4, 0, 0}, "VEC3")},
+                     {"SCALE", copies.accessor(std::vector<float>{1, 1, 1, 1, 1, 1, -1, 1, 1}, "VEC3")}}}}}}}});
+  const std::string obj =
+      folder.write("shape.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const auto at = [](int x, int sign) {
+    return "{\"matrix\": [" + std::to_string(sign) + ",0,0,0, 0,1,0,0, 0,0,1,0, " + std::to_string(x) + ",0,0,1]}";
+  };
+  std::string meshes, includes;
+  for (const auto& [x, sign] : {std::pair{0, 1}, std::pair{2, 1}, std::pair{4, -1}}) {
+    const std::string comma = meshes.empty() ? "" : ", ";
+    meshes += comma + "{\"keys\": [\"shape.obj\"], \"transform\": " + at(x, sign) + "}";
+    includes += comma + "{\"file\": \"shape.obj\", \"transform\": " + at(x, sign) + "}";
+  }
+  const std::string pbrt =
+      "Camera \"perspective\"\nWorldBegin\nObjectBegin \"a\"\nShape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 0 "
+      "0 1] "
+      "\"integer indices\" [0 2 1 0 1 3 0 3 2 1 2 3]\nObjectEnd\nObjectInstance \"a\"\nTranslate 2 0 0\n"
+      "ObjectInstance \"a\"\nTranslate 2 0 0\nScale -1 1 1\nObjectInstance \"a\"\n";
+  return {folder.write("nodes.gltf", gltf.text()), folder.write("copies.gltf", copies.text()),
+          folder.write("meshes.json", "{\"kairos\": 1, \"meshes\": [" + meshes + "]}"),
+          folder.write("includes.json", "{\"kairos\": 1, \"include\": [" + includes + "]}"),
+          folder.write("objects.pbrt", pbrt)};
+}
+
+TEST(Instances, AreFoundInFilesOfEveryFormat) {
+  const TempFolder folder;
+  for (const std::string& file : files_with_copies(folder)) {
+    SCOPED_TRACE(file);
+    const auto scene = load_scene({file});
+    ShotOptions options;
+    options.space = ShotOptions::Space::world;
+    const Shot plain = make_shot(*scene, options);
+    options.instances = ShotOptions::Instances::always;
+    const Shot shot = make_shot(*scene, options);
+    ASSERT_EQ(shot.meshes.size(), 3u);
+    EXPECT_TRUE(shot.meshes[0].object);
+    EXPECT_EQ(shot.meshes[0].object, shot.meshes[1].object);
+    // The mirrored one has its triangles turned round, and so is the only one of its object.
+    for (size_t m = 0; m < 3; ++m) {
+      EXPECT_FALSE(plain.meshes[m].object);
+      const Mesh copy = expanded(shot.meshes[m]);
+      EXPECT_EQ(copy.triangles, plain.meshes[m].triangles);
+      for (size_t v = 0; v < copy.vertex_count(); ++v)
+        EXPECT_LT(length(copy.positions[0][v] - plain.meshes[m].positions[0][v]), 1e-6f);
+    }
+  }
 }
 
 }  // namespace
