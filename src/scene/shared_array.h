@@ -12,6 +12,10 @@ namespace kairos {
 template <class T>
 class SharedArray {
  public:
+  using value_type = T;
+  using const_iterator = typename std::vector<T>::const_iterator;
+  using iterator = const_iterator;
+
   SharedArray() = default;
   SharedArray(std::vector<T> values)  // NOLINT(google-explicit-constructor): a vector is one
       : values_(values.empty() ? nullptr : std::make_shared<std::vector<T>>(std::move(values))) {}
@@ -23,8 +27,8 @@ class SharedArray {
   operator const std::vector<T>&() const { return get(); }  // NOLINT(google-explicit-constructor): likewise
   bool empty() const { return get().empty(); }
   size_t size() const { return get().size(); }
-  auto begin() const { return get().begin(); }
-  auto end() const { return get().end(); }
+  const_iterator begin() const { return get().begin(); }
+  const_iterator end() const { return get().end(); }
   const T& operator[](size_t index) const { return get()[index]; }
   const T& front() const { return get().front(); }
 

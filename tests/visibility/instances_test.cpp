@@ -254,7 +254,7 @@ TEST(Instances, MakeTheSamePictures) {
     RenderParams params;
     params.integrator = integrator;
     params.shading = ShadingKind::normal;
-    params.spp = params.tc_rays = 4;
+    params.spp = params.tc_rays = 32;
     const Image a = render(instanced, params), b = render(plain, params);
     double difference = 0, level = 0;
     ASSERT_EQ(a.channels.size(), b.channels.size());
@@ -264,6 +264,7 @@ TEST(Instances, MakeTheSamePictures) {
         level += double(b.channels[c].values[i]);
       }
     EXPECT_GT(level, 50);
+    // Points along the motion lie elsewhere, as its directions are known of boxes alone: noise.
     EXPECT_LT(difference, 0.01 * level) << static_cast<int>(integrator);
   }
 }
