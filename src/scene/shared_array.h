@@ -30,6 +30,7 @@ class SharedArray {
   const_iterator begin() const { return get().begin(); }
   const_iterator end() const { return get().end(); }
   const T& operator[](size_t index) const { return get()[index]; }
+  const T& at(size_t index) const { return get().at(index); }
   const T& front() const { return get().front(); }
 
   /// One's own copy, if others share it.
@@ -37,6 +38,7 @@ class SharedArray {
     if (!values_ || values_.use_count() > 1) values_ = std::make_shared<std::vector<T>>(get());
     return *values_;
   }
+  friend bool operator==(const SharedArray& a, const SharedArray& b) { return a.get() == b.get(); }
   /// The same for arrays that are shared.
   const void* identity() const { return values_.get(); }
 

@@ -36,7 +36,7 @@ void expect_uvs(const Scene& scene, const std::vector<Vec2f>& expected,
                 TextureRef Material::*picture = &Material::base_color_texture) {
   const TextureRef& texture = scene.materials.at(0).*picture;
   const SceneMesh& mesh = scene.meshes.at(0);
-  const std::vector<Vec2f>& uvs = texture.uv_set == 0 ? mesh.uvs : mesh.more_uvs.at(texture.uv_set - 1);
+  const std::vector<Vec2f>& uvs = texture.uv_set == 0 ? mesh.uvs.get() : mesh.more_uvs.at(texture.uv_set - 1);
   ASSERT_EQ(uvs.size(), expected.size());
   for (size_t i = 0; i < expected.size(); ++i) {
     EXPECT_NEAR(texture.place(uvs[i]).x, expected[i].x, 1e-6) << i;
