@@ -57,7 +57,7 @@ inline SceneMesh make_path_mesh(size_t points, PathMotion::Path path) {
   motion->path = std::move(path);
   SceneMesh mesh;
   mesh.name = "mesh";
-  for (uint32_t v = 0; v + 2 < points; v += 3) mesh.triangles.push_back({v, v + 1, v + 2});
+  for (uint32_t v = 0; v + 2 < points; v += 3) mesh.triangles.edit().push_back({v, v + 1, v + 2});
   mesh.motion = motion;
   return mesh;
 }

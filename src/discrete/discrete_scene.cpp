@@ -4,10 +4,10 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <compare>
 #include <cstring>
 #include <limits>
 #include <map>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -157,7 +157,10 @@ struct DiscreteScene::Impl {
   struct Object {
     const Mesh* mesh;
     bool one_sided, has_holes, is_pane;
-    friend auto operator<=>(const Object&, const Object&) = default;
+    friend bool operator<(const Object& a, const Object& b) {
+      return std::tie(a.mesh, a.one_sided, a.has_holes, a.is_pane) <
+             std::tie(b.mesh, b.one_sided, b.has_holes, b.is_pane);
+    }
   };
   std::map<Object, EmbreeScene> objects;
   std::vector<std::unique_ptr<const UnevenTriangles>> uneven;

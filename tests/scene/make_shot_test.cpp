@@ -272,7 +272,7 @@ TEST(BadTriangles, AreDroppedCountedAndReportedOnce) {
         return Vec3d{corner, corner * corner, -5 - time};
     }
   });
-  mesh.triangles[3] = {9, 9, 11};
+  mesh.triangles.edit()[3] = {9, 9, 11};
   motion_of(mesh).linear = true;
   Scene scene = make_scene(mesh);
   scene.meshes.push_back(make_still_triangle());
@@ -286,7 +286,7 @@ TEST(BadTriangles, AreDroppedCountedAndReportedOnce) {
   EXPECT_EQ(cleaned.triangles[1], (Triangle{12, 13, 14}));
   EXPECT_THAT(shot.notes, Contains("dropped 4 bad triangles (2 not finite, 2 of zero area), first in mesh 'broken'"));
 
-  scene.meshes[0].prim_ids = {10, 11, 12, 13, 14, 15};
+  scene.meshes[0].prim_ids = std::vector<uint32_t>{10, 11, 12, 13, 14, 15};
   EXPECT_EQ(make_shot(scene).meshes[0].prim_id(1), 14u);
   ShotOptions strict;
   strict.strict = true;

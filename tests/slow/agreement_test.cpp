@@ -168,11 +168,12 @@ TEST(Agreement, SyntheticScene) {
     const double x = static_cast<double>(v % kSide) / kSide - 0.5, y = static_cast<double>(v / kSide) / kSide - 0.5;
     return Vec3d{1 + 2 * x + time, 2 * y, -6 + 0.3 * std::sin(12 * x + 6 * time)};
   });
-  sheet.triangles.clear();
+  sheet.triangles.edit().clear();
   for (uint32_t y = 0; y + 1 < kSide; ++y)
     for (uint32_t x = 0; x + 1 < kSide; ++x) {
       const uint32_t v = y * kSide + x;
-      sheet.triangles.insert(sheet.triangles.end(), {{v, v + 1, v + kSide}, {v + 1, v + kSide + 1, v + kSide}});
+      sheet.triangles.edit().insert(sheet.triangles.edit().end(),
+                                    {{v, v + 1, v + kSide}, {v + 1, v + kSide + 1, v + kSide}});
     }
   SceneMesh jumper = make_path_mesh(150, [blades](size_t v, double time, Side side) {
     const bool after = time > 0.4 || (time == 0.4 && side == Side::after);
