@@ -168,7 +168,8 @@ class SceneReader {
                             primitive.triangles.size() * sizeof(uint32_t) +
                             primitive.positions.size() * (1 + primitive.more_uvs.size()) * sizeof(Vec2f) +
                             primitive.colors.size() * sizeof(Vec4f);
-    document_.charge((is_new ? shared : 0) + sizeof(SceneMesh), where);
+    constexpr uint64_t kBytesOfInstance = 2048;  // with its motion, its name, and what a shot makes of it
+    document_.charge((is_new ? shared : 0) + kBytesOfInstance, where);
     SceneMesh result;
     result.name = names_.make(name);
     result.triangles = motion->mirrors() ? turned_.of(surface.triangles) : surface.triangles;
