@@ -64,8 +64,8 @@ EventFileOptions parse_options(const ordered_json& json) {
 std::string notes_path(const std::string& part) { return part + ".json"; }
 
 ordered_json read_part_notes(const std::string& part) {
-  constexpr uint64_t kMostBytes = 16 << 20;
-  const std::vector<uint8_t> bytes = read_file(notes_path(part), kMostBytes);
+  constexpr uint64_t kMostNotesBytes = 16 << 20;
+  const std::vector<uint8_t> bytes = read_file(notes_path(part), kMostNotesBytes);
   ordered_json notes = ordered_json::parse(bytes.begin(), bytes.end(), nullptr, false);
   if (!notes.is_object() || !notes.contains(kPart) || !notes[kPart].is_object() || !notes[kPart].contains("mark") ||
       !notes[kPart]["mark"].is_string())

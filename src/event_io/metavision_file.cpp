@@ -15,7 +15,7 @@ namespace {
 
 using ecf::CdEvent;
 
-constexpr hsize_t kChunk = 16384;       // elements
+constexpr hsize_t kCdChunk = 16384;     // elements
 constexpr int64_t kIndexPeriod = 2000;  // microseconds
 
 /// The first event of a period: how many come before it, and when it is, counted from the first event of all.
@@ -61,7 +61,7 @@ void put_text(hid_t object, const char* name, const std::string& value, const st
 }
 
 Hdf5Handle ecf_set(const std::string& path) {
-  Hdf5Handle how = growing_set(kChunk, path);
+  Hdf5Handle how = growing_set(kCdChunk, path);
   // The library need not have the filter: chunks are packed here.
   H5Pset_filter(how, ecf::kFilter, H5Z_FLAG_OPTIONAL, 0, nullptr);
   return how;
@@ -73,9 +73,9 @@ class MetavisionWriter : public EventFileWriter::Format {
       : path_(plan.path),
         file_(plan.path),
         events_(make_set(file_, "CD/events", event_type(path_), ecf_set(path_), path_)),
-        indexes_(make_set(file_, "CD/indexes", index_type(path_), growing_set(kChunk, path_), path_)) {
-    make_set(file_, "EXT_TRIGGER/events", trigger_type(path_), growing_set(kChunk, path_), path_);
-    make_set(file_, "EXT_TRIGGER/indexes", index_type(path_), growing_set(kChunk, path_), path_);
+        indexes_(make_set(file_, "CD/indexes", index_type(path_), growing_set(kCdChunk, path_), path_)) {
+    make_set(file_, "EXT_TRIGGER/events", trigger_type(path_), growing_set(kCdChunk, path_), path_);
+    make_set(file_, "EXT_TRIGGER/indexes", index_type(path_), growing_set(kCdChunk, path_), path_);
     put_text(file_, "version", "1.0", path_);
     put_text(file_, "geometry", std::to_string(plan.width) + "x" + std::to_string(plan.height), path_);
     put_text(file_, "integrator", "Kairos", path_);
@@ -86,7 +86,7 @@ class MetavisionWriter : public EventFileWriter::Format {
       const int64_t time = microseconds(event.time);
       add_index(time);
       block_.push_back({event.x, event.y, static_cast<int16_t>(event.polarity > 0 ? 1 : 0), time});
-      if (block_.size() == kChunk) flush();
+      if (block_.size() == kCdChunk) flush();
     }
   }
 
@@ -200,7 +200,7 @@ class EventsReader {
   std::string path_;
   Hdf5Handle set_, space_, how_;
   uint64_t size_ = 0;
-  hsize_t chunk_ = kChunk;
+  hsize_t chunk_ = kCdChunk;
   bool is_ecf_ = false;
 };
 

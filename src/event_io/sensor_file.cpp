@@ -62,8 +62,8 @@ nlohmann::ordered_json sensor_json(const EventSensor& sensor) {
 }
 
 EventSensor read_event_sensor(const std::string& path) {
-  constexpr uint64_t kMostBytes = 16 << 20;
-  const std::vector<uint8_t> bytes = read_file(path, kMostBytes);
+  constexpr uint64_t kMostDescription = 16 << 20;
+  const std::vector<uint8_t> bytes = read_file(path, kMostDescription);
   const JsonText text(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()), path);
   JsonNode node(text.root(), path);
   if (!node.is_object()) node.fail("is no sensor: an object of its parameters, or a recording's description");
