@@ -16,7 +16,7 @@ namespace {
 
 /// Objects of fewer triangles are copied: walking into an object costs about as much as testing these.
 constexpr size_t kLeastTriangles = 64;
-/// So are those whose copies are fewer triangles than that, all in all: rays through a single tree are cheaper.
+/// So are all where their copies are fewer triangles than that together: rays through a single tree are cheaper.
 constexpr uint64_t kLeastCopied = uint64_t{1} << 20;
 /// Of the volume that the three axes of a placed object span over that of their lengths' product, and of the shortest
 /// axis over the longest: below that it counts as flat.
@@ -128,11 +128,16 @@ std::vector<SharedObject> find_shared_objects(const Scene& scene, ShotOptions::I
     if (is_new) objects.emplace_back();
     objects[place->second].meshes.push_back(m);
   }
+  const auto triangles_of = [&](const SharedObject& object) -> uint64_t {
+    return scene.meshes[object.meshes.front()].triangles.size();
+  };
   std::erase_if(objects, [&](const SharedObject& object) {
-    const uint64_t uses = object.meshes.size(), triangles = scene.meshes[object.meshes.front()].triangles.size();
-    if (choice == ShotOptions::Instances::always) return uses < 2;
-    return uses < 2 || triangles < kLeastTriangles || uses * triangles < kLeastCopied;
+    return object.meshes.size() < 2 ||
+           (choice == ShotOptions::Instances::automatic && triangles_of(object) < kLeastTriangles);
   });
+  uint64_t copied = 0;
+  for (const SharedObject& object : objects) copied += object.meshes.size() * triangles_of(object);
+  if (choice == ShotOptions::Instances::automatic && copied < kLeastCopied) objects.clear();
   parallel_for(objects.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const SceneMesh& first = scene.meshes[objects[i].meshes.front()];

@@ -246,5 +246,19 @@ TEST_F(PbrtShapes, NonsenseIsRefused) {
   refuse("Shape \"plymesh\" \"string filename\" \"../x.ply\"", {"scene.pbrt:1", "x.ply"});
 }
 
+/// Two kinds of spheres, each of fewer triangles than are worth sharing, are more together.
+TEST_F(PbrtShapes, EqualSpheresAreKeptOnceWhereThereAreMany) {
+  const auto notes = [&](int copies) {
+    std::string text = "WorldBegin\n";  // without a camera each sphere has 16128 triangles
+    for (int i = 0; i < copies; ++i)
+      for (const char* radius : {"1", "2"})
+        text += "AttributeBegin Translate " + std::to_string(5 * i) + " 0 0 Shape \"sphere\" \"float radius\" " +
+                radius + " AttributeEnd\n";
+    return make_shot(load(text)).notes;
+  };
+  EXPECT_THAT(notes(40), testing::Contains(testing::HasSubstr("80 meshes are instances of 2 objects")));
+  EXPECT_THAT(notes(2), testing::Not(testing::Contains(testing::HasSubstr("instances"))));
+}
+
 }  // namespace
 }  // namespace kairos
