@@ -2,9 +2,11 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <string>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -41,6 +43,11 @@ int fail(int status, const std::string& message) {
   } catch (...) {  // a fault of ours, which a core dump explains best
   }
   std::abort();
+}
+
+/// Threads could not be made: the system was short of memory or of threads. TBB says so in words alone.
+bool is_short_of_threads(const std::exception& e) {
+  return std::string_view(e.what()).ends_with(std::strerror(EAGAIN));
 }
 
 std::string version_text() {
@@ -101,6 +108,6 @@ int main(int argc, char** argv) {
     kairos::cli::draw(kOutOfMemory);
     return kTryAgain;
   } catch (const std::exception& e) {
-    return fail(kFailed, e.what());
+    return fail(is_short_of_threads(e) ? kTryAgain : kFailed, e.what());
   }
 }

@@ -144,6 +144,7 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--root", "."},
                                                        {"--memory-budget", "500"},
                                                        {"--camera", "0"},
+                                                       {"--instances", "always"},
                                                        {"--frame", "0"},
                                                        {"--frames", "0-1"},
                                                        {"--part", "1/2"},
