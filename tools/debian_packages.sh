@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
 # Builds the Debian packages into build/debian: libkairos0, libkairos-dev, kairos, python3-kairos; lintian reads them. With --try also
-# unpacks them into a folder and runs the program and the Python package from there.
+# unpacks them into a folder and runs the program and the Python package from there. With --chroot (as root) apt installs them, with
+# what they depend on, into a fresh Debian that debootstrap makes, and they are run in that.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source tools/common.sh
 case "$*" in
   "" | --try) ;;
-  *) fail "'$*' is not known; give nothing, or --try" ;;
+  --chroot) [[ $EUID == 0 ]] || fail "--chroot makes a Debian of its own, which only root may" ;;
+  *) fail "'$*' is not known; give nothing, --try or --chroot" ;;
 esac
 install_packages build python debian
 
@@ -31,4 +33,25 @@ if [[ "$*" == --try ]]; then
   "$prefix/usr/bin/kairos" --version
   PYTHONPATH=$prefix/usr/lib/python3/dist-packages /usr/bin/python3 -c \
     "import kairos; print(kairos.load('scenes/star/star.json').shot(size=(32, 32)).render(spp=1))"
+fi
+
+if [[ "$*" == --chroot ]]; then
+  say "Installing them with apt into a Debian of its own"
+  command -v debootstrap >/dev/null || DEBIAN_FRONTEND=noninteractive apt-get install -y -q debootstrap
+  debian=$(mktemp -d)
+  trap 'rm -rf --one-file-system "$debian"' EXIT
+  debootstrap --variant=minbase bookworm "$debian" >/dev/null
+  mkdir "$debian/packages"
+  cp build/debian/*_"$version"_*.deb "$debian/packages/"
+  cp -r scenes/star "$debian/star"
+  chroot "$debian" sh -ec '
+    export DEBIAN_FRONTEND=noninteractive
+    apt-get update -q
+    apt-get install -y -q --no-install-recommends /packages/*.deb gcc libc6-dev pkg-config
+    kairos --version
+    kairos render /star/star.json -o /star.png --size 64x64 --quiet
+    python3 -c "import kairos; print(kairos.load(\"/star/star.json\").shot(size=(32, 32)).render(spp=1))"
+    printf "#include <kairos/kairos.h>\n#include <stdio.h>\nint main(void) { return puts(kairos_version()) < 0; }\n" >/doors.c
+    cc /doors.c -o /doors $(pkg-config --cflags --libs kairos)
+    /doors'
 fi
