@@ -66,6 +66,8 @@ LightBounds bounds_of(const Mesh& mesh, uint32_t triangle, bool front_only, doub
   return bounds;
 }
 
+double reach_of(Vec3d v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
 }  // namespace
 
 AreaLights::AreaLights(const Shot& shot, const Looks& looks) : shot_(shot), looks_(looks) {
@@ -138,6 +140,11 @@ void AreaLights::View::weigh(const LightTree::Leaf& leaf) {
     const Vec3d normal = double_area(v);
     const double towards = -dot(normal, v[0]);  // times the distance of the point from the plane
     if (light.front_only && !(towards > 0)) continue;
+    // In the point's own plane, or nearer to it than shadow rays start off the surface: rounding alone says that light
+    // arrives. A lamp's triangle would light its neighbour's back.
+    constexpr double kContact = 0x1p-18;
+    const double reach = std::max(reach_of(point_), reach_of(v[0] + point_));
+    if (std::abs(towards) <= kContact * reach * length(normal)) continue;
     // By the cosine of the corner that stands highest over the surface: where none does, nothing arrives.
     double most = 0;
     for (const Vec3d& corner : v) {

@@ -1,9 +1,11 @@
 // Whitted shading against what light must do, computed by hand.
 #include <cmath>
+#include <random>
 
 #include <gtest/gtest.h>
 
 #include "discrete/discrete_scene.h"
+#include "seed.h"
 #include "shading/reflectance.h"
 #include "shading/shader.h"
 #include "whitted_scene.h"
@@ -105,6 +107,23 @@ TEST(Whitted, ALampMayShineFromItsFrontAlone) {
   EXPECT_NEAR(seen(limited, on_floor, kMany).x, 8 / 5.0f * lit, 1e-3);
   // One that is cut out lights the floor as if it were there.
   EXPECT_EQ(seen(shot(down, true, true), on_floor, kMany).x, lit);
+}
+
+/// Where its triangles meet, each is in the other's plane up to rounding.
+TEST(Whitted, ALampDoesNotLightItsOwnBack) {
+  std::mt19937 random(test::seed());
+  const auto number = [&] { return std::uniform_real_distribution<float>(-1, 1)(random); };
+  for (int i = 0; i < 100; ++i) {
+    const Vec3f corner{number(), number(), -5 + number()}, u{2 + number(), number(), number()},
+        v{number(), 2 + number(), number()};
+    Shot shot;
+    shot.meshes = {parallelogram(corner, v, u, 0)};  // faces away from the eye
+    shot.materials = {lamp({5, 5, 5})};
+    shot.materials[0].base_color = {0.5f, 0.5f, 0.5f};
+    shot.materials[0].one_sided_emission = true;
+    const float along = 0.5f + 0.4f * number();
+    EXPECT_EQ(seen(shot, {{0, 0, 0}, corner + (u + v) * along}, 16), Vec3f{});
+  }
 }
 
 TEST(Whitted, ADirectionalLightDoesNotFadeAndASpotDoes) {
