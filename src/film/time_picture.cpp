@@ -3,6 +3,7 @@
 #include <kairos/error.h>
 #include <kairos/time_picture.h>
 
+#include "film/frame_image.h"
 #include "film/tile_reading.h"
 
 namespace kairos {
@@ -10,15 +11,7 @@ namespace kairos {
 namespace {
 
 Image empty_image(const TimeFrame& frame, bool coverage) {
-  Image image;
-  image.width = frame.width;
-  image.height = frame.height;
-  image.left = frame.left;
-  image.top = frame.top;
-  image.frame_width = frame.frame_width;
-  image.frame_height = frame.frame_height;
-  image.pixel_aspect = frame.pixel_aspect;
-  image.attributes = frame.attributes;
+  Image image = frame_image(frame);
   const size_t pixels = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
   for (const char* name : {"R", "G", "B"})
     image.channels.push_back({name, Channel::Storage::colour, std::vector<float>(pixels)});

@@ -178,16 +178,22 @@ double LightTree::worth(const LightBounds& bounds, Vec3d point, Vec3d normal, do
   return bounds.power * lit * (away > 0 ? std::max(std::cos(away), 1e-3) : 1) / squared;
 }
 
+std::optional<double> LightTree::share_of_first(size_t index, Vec3d point, Vec3d normal, double time) const {
+  const double first = worth(nodes_[index + 1].bounds, point, normal, time);
+  const double second = worth(nodes_[nodes_[index].second].bounds, point, normal, time);
+  if (!(first + second > 0)) return std::nullopt;
+  return first / (first + second);
+}
+
 LightTree::Leaf LightTree::choose(Vec3d point, Vec3d normal, float time, double& u) const {
   if (nodes_.empty()) return {};
   size_t index = 0;
   double probability = 1;
   while (nodes_[index].second != 0) {
     const size_t second = nodes_[index].second;
-    const double left = worth(nodes_[index + 1].bounds, point, normal, static_cast<double>(time));
-    const double right = worth(nodes_[second].bounds, point, normal, static_cast<double>(time));
-    if (!(left + right > 0)) return {};
-    const double share = left / (left + right);
+    const std::optional<double> of_first = share_of_first(index, point, normal, static_cast<double>(time));
+    if (!of_first) return {};
+    const double share = *of_first;
     if (u < share) {
       u = std::min(u / share, 1 - 0x1p-53);
       probability *= share;
@@ -206,10 +212,9 @@ LightTree::Leaf LightTree::leaf_of(uint32_t place, Vec3d point, Vec3d normal, fl
   double probability = 1;
   while (nodes_[index].second != 0) {
     const size_t second = nodes_[index].second;
-    const double left = worth(nodes_[index + 1].bounds, point, normal, static_cast<double>(time));
-    const double right = worth(nodes_[second].bounds, point, normal, static_cast<double>(time));
-    if (!(left + right > 0)) return {};
-    const double share = left / (left + right);
+    const std::optional<double> of_first = share_of_first(index, point, normal, static_cast<double>(time));
+    if (!of_first) return {};
+    const double share = *of_first;
     const bool is_left = place < nodes_[second].begin;
     probability *= is_left ? share : 1 - share;
     index = is_left ? index + 1 : second;

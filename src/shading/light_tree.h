@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -60,6 +61,8 @@ class LightTree {
   };
   void build(std::span<const LightBounds> lights, uint32_t begin, uint32_t end, size_t leaf_size, int depth);
   static double worth(const LightBounds& bounds, Vec3d point, Vec3d normal, double time);
+  /// How likely chance goes to the first of an inner node's two; nothing where neither is worth anything.
+  std::optional<double> share_of_first(size_t index, Vec3d point, Vec3d normal, double time) const;
 
   std::vector<Node> nodes_;
   std::vector<uint32_t> order_;

@@ -4,6 +4,8 @@
 #include <kairos/error.h>
 #include <kairos/object_layers.h>
 
+#include "film/frame_image.h"
+
 namespace kairos {
 
 namespace {
@@ -105,14 +107,7 @@ DeepImage deep_pieces(const TimePicture& picture, const std::function<bool(doubl
   const TimeFrame& frame = picture.frame();
   DeepImage deep;
   Image& image = deep.image;
-  image.width = frame.width;
-  image.height = frame.height;
-  image.left = frame.left;
-  image.top = frame.top;
-  image.frame_width = frame.frame_width;
-  image.frame_height = frame.frame_height;
-  image.pixel_aspect = frame.pixel_aspect;
-  image.attributes = frame.attributes;
+  image = frame_image(frame);
   image.attributes.push_back({"kairos:shutter", std::array<double, 2>{frame.open, frame.close}});
   for (const char* name : {"R", "G", "B", "A", "end.R", "end.G", "end.B", "end.A", "Z", "ZBack"})
     add_channel(image, name, Channel::Storage::exact);
