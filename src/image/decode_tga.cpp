@@ -85,6 +85,8 @@ class TgaReader {
  public:
   TgaReader(std::span<const uint8_t> bytes, const std::string& place)
       : header_(bytes), place_(place), rest_(bytes.subspan(header_.texels_at())) {
+    // Other kinds may have a palette that nothing uses, with entries of any size: texels_at() steps over it.
+    if (header_.kind != kPalette) return;
     const uint8_t* const entries = bytes.data() + kHeaderBytes + header_.name_bytes;
     for (size_t i = 0; i < header_.entries; ++i)
       palette_.push_back(colour(entries + i * header_.entry_bytes(), header_.entry_bits));
