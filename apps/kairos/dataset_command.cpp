@@ -8,19 +8,18 @@
 #include <kairos/error.h>
 #include <kairos/files.h>
 #include <kairos/flow.h>
-#include <kairos/picture.h>
 #include <kairos/version.h>
 
 #include "arguments.h"
 #include "commands.h"
 #include "dataset_layout.h"
 #include "dataset_pose.h"
+#include "dataset_source.h"
 #include "frames.h"
 #include "interrupt.h"
-#include "light_arguments.h"
 #include "log.h"
 #include "report.h"
-#include "sampling_arguments.h"
+#include "time_arguments.h"
 #include "view_arguments.h"
 
 namespace kairos::cli {
@@ -30,45 +29,22 @@ namespace {
 using nlohmann::ordered_json;
 
 struct DatasetArguments {
-  SceneArguments scene;
-  SamplingArguments sampling;
-  LightArguments light;
+  DatasetScene of_scene;
   ViewArguments view;
   FrameRange frames;
   const DatasetLayout* layout = nullptr;
   std::string folder, sequence, command_line;
   bool exr = false, quiet = false;
-};
 
-/// Everything of a frame is one rendering, whose rays see all of the time from the first line's opening to the last
-/// one's closing: of discrete rays next to none would see an instant.
-class AllOverTime : public PixelConsumer {
- public:
-  RecordNeeds needs() const override { return {RecordNeeds::Time::segments, false, false}; }
-  void add(const PixelRecord&) override {}
-};
-
-struct FrameTimes {
-  Shutter shutter;
-  double frame_time = 0;       ///< scene time
-  double open = 0, close = 1;  ///< scene time: of all lines
-  int lines = 1;
-
-  /// The middle of a line's exposure, in scene time.
-  double middle_of(int line) const {
-    const ExposureInterval interval = line_interval(shutter, line);
-    return frame_time + (interval.open + interval.close) / 2;
-  }
-  double first() const { return middle_of(0); }
-  double middle() const { return (middle_of(0) + middle_of(lines - 1)) / 2; }
+  bool is_file() const { return holds_time(of_scene.scene.paths); }
 };
 
 bool rolls(const Shutter& shutter) { return shutter.open_line != 0 || shutter.close_line != 0; }
 
 class Dataset {
  public:
-  Dataset(const DatasetArguments& arguments, const Scene& scene) : arguments_(arguments), scene_(scene) {
-    fps_ = arguments.scene.shot.fps.value_or(contents(scene).fps);
+  Dataset(const DatasetArguments& arguments, DatasetSource& source)
+      : arguments_(arguments), source_(source), fps_(source.fps()) {
     poses_ = "frame,line,time_s,qw,qx,qy,qz,x,y,z\n";
   }
 
@@ -92,98 +68,100 @@ class Dataset {
     return path.string();
   }
 
-  /// The shot of a frame, for all of its exposures.
-  Shot shot_of(int frame, FrameTimes& times) {
-    SceneArguments of_frame = arguments_.scene;
-    of_frame.shot.frame = frame;
-    ShotOptions options = shot_options(of_frame, scene_);
-    const std::array<int, 2> size = contents(scene_).image_size.value_or(std::array<int, 2>{960, 540});
-    const int width = options.width > 0 ? options.width : size[0],
-              height = options.height > 0 ? options.height : size[1];
-    const std::array<double, 2> in_frames = options.shutter.value_or(std::array<double, 2>{0, 0.5});
-    times.shutter =
-        shutter_of(arguments_.sampling.exposure, {in_frames[0] / fps_, in_frames[1] / fps_}, fps_, width, height);
+  FrameTimes times_of(int frame) const {
+    const auto& shutter = arguments_.of_scene.scene.shutter;
+    const std::array<double, 2> in_frames = shutter ? shutter->in_frames(fps_) : std::array<double, 2>{0, 0.5};
+    const auto [width, height] = source_.size();
+    FrameTimes times;
+    times.shutter = shutter_of(exposure(), {in_frames[0] / fps_, in_frames[1] / fps_}, fps_, width, height);
     times.frame_time = frame / fps_;
     const bool columns = times.shutter.scan == Scan::left || times.shutter.scan == Scan::right;
     times.lines = columns ? width : height;
     const ExposureInterval whole = whole_interval(times.shutter, width, height);
-    options.shutter = {whole.open * fps_, whole.close * fps_};
     times.open = times.frame_time + whole.open;
     times.close = times.frame_time + whole.close;
-    Shot shot = make_shot(scene_, options);
-    if (!(shot.shutter_close > shot.shutter_open))
-      throw Error(ErrorCode::bad_usage, "", "a data set needs exposures of some length; give another --shutter");
-    arguments_.light.background.apply(shot);
-    for (const std::string& note : shot.notes)
-      if (frame == arguments_.frames.first && !arguments_.quiet) cli::log("note: " + note);
-    return shot;
+    return times;
   }
+  const ExposureArguments& exposure() const { return arguments_.of_scene.sampling.exposure; }
 
   void write_frame(int frame) {
-    FrameTimes times;
-    const Shot shot = shot_of(frame, times);
-    const auto picture = [&](const Shutter& shutter, std::vector<Aov> aovs = {}) {
-      RenderParams params = arguments_.sampling.params;
-      params.exposure = Exposure(shutter, times.frame_time, shot.projection.width, shot.projection.height,
-                                 shot.shutter_open, shot.shutter_close);
-      params.aovs = std::move(aovs);
-      return Picture(shot.projection, params);
-    };
+    const FrameTimes times = times_of(frame);
+    source_.begin(frame, times);
     const auto instant = [&](double scene_time) {
       Shutter shutter;
       shutter.open = shutter.close = scene_time - times.frame_time;
-      return picture(shutter);
+      return shutter;
     };
-    // Each line at the instant in the middle of its exposure.
-    Shutter middles = times.shutter;
-    middles.open = middles.close = (times.shutter.open + times.shutter.close) / 2;
-    middles.open_line = middles.close_line = (times.shutter.open_line + times.shutter.close_line) / 2;
-    middles.curve = {};
-    Picture exposed = picture(times.shutter), sharp = instant(times.middle()), first = instant(times.first()),
-            lines = picture(middles, {Aov::depth});
-    AllOverTime over_time;
-    std::vector<PixelConsumer*> consumers{&exposed, &sharp, &over_time};
-    if (*layout().sharp_first != 0) consumers.push_back(&first);
-    if (*layout().depth != 0) consumers.push_back(&lines);
-    begin_polling();
-    Renderer(shot).render(arguments_.sampling.params, consumers, nullptr, [](double) { return !interrupted(); });
-    end_polling();
+    std::vector<Shutter> shutters{times.shutter, instant(times.middle())};
+    if (*layout().sharp_first != 0) shutters.push_back(instant(times.first()));
+    std::vector<Image> images = source_.expose(shutters);
+    for (Image& image : images) image.attributes.push_back({"kairos:command_line", arguments_.command_line});
 
     ordered_json files;
     const auto write = [&](const Image& image, const char* pattern, int of_frame, const char* what) {
       if (*pattern == 0) return;
       WriteOptions options;
-      options.view = arguments_.view.choice.value_or(usual_view(shot, arguments_.sampling.params.shading));
+      options.view = arguments_.view.choice.value_or(source_.view());
       options.exposure = arguments_.view.exposure;
       const std::string path = place(pattern, of_frame);
       write_interruptibly(image, path, options);
       if (arguments_.exr) write_interruptibly(image, std::filesystem::path(path).replace_extension(".exr").string());
       files[what] = relative(path);
     };
-    const auto finished = [&](Picture& from) {
-      Image image = from.take();
-      image.attributes.push_back({"kairos:command_line", arguments_.command_line});
-      return image;
-    };
     const int number = frame - arguments_.frames.first;
     const bool last = frame == arguments_.frames.last;
     const bool evaluates = layout().sharp_every > 0 && number % layout().sharp_every == 0;
-    const Image blurred = finished(exposed), still = finished(sharp);
+    const Image &blurred = images[0], &still = images[1];
     if (*layout().exposed_next == 0 || !last) write(evaluates ? still : blurred, layout().exposed, frame, "exposed");
     if (*layout().exposed_next != 0 && number > 0) write(blurred, layout().exposed_next, frame - 1, "exposed_next");
     write(still, layout().sharp, frame, "sharp");
-    write(finished(first), layout().sharp_first, frame, "sharp_first");
-    if (*layout().depth != 0) {
-      const std::string path = place(layout().depth, frame);
-      write_file(path, text_matrix(*finished(lines).find("depth.Z"), shot.projection.width));
-      files["depth"] = relative(path);
-    }
+    write(images.back(), layout().sharp_first, frame, "sharp_first");
+    if (*layout().depth != 0) write_lines(frame, times, files);
     if (*layout().flow != 0 && !last) write_flow_of(frame, times, files);
-    tell_motion(frame, shot, times, evaluates, files);
-    tell(frame, shot, times, std::move(files));
+    if (source_.shot() != nullptr) tell_motion(frame, *source_.shot(), times, evaluates, files);
+    tell(frame, times, std::move(files));
     if (!arguments_.quiet)
       cli::log(
           fmt::format("frame {}, {} of {}", frame, frame - arguments_.frames.first + 1, arguments_.frames.count()));
+  }
+
+  /// What each line sees in the middle of its exposure: how far away it is, and where it is in the sharp pictures.
+  void write_lines(int frame, const FrameTimes& times, ordered_json& files) {
+    const Shot& shot = *source_.shot();
+    const auto [width, height] = source_.size();
+    const Exposure lines(times.shutter, times.frame_time, width, height, shot.shutter_open, shot.shutter_close);
+    const auto flow_to = [&](double scene_time) {
+      const double to = (scene_time - shot.shutter_open) / (shot.shutter_close - shot.shutter_open);
+      FlowOptions options;
+      options.threads = arguments_.of_scene.scene.threads;
+      options.instruction_set = arguments_.of_scene.sampling.params.instruction_set;
+      options.progress = [](double) { return !interrupted(); };
+      options.times = [&](int x, int y) -> std::array<double, 2> {
+        const TimeWeight line = lines.weight(x, y);
+        return {(line.begin() + line.end()) / 2, to};
+      };
+      begin_polling();
+      Image image = flow(shot, options);
+      end_polling();
+      return image;
+    };
+    const auto file = [&](const char* pattern, const char* what) {
+      const std::string path = place(pattern, frame);
+      files[what] = relative(path);
+      return path;
+    };
+    Image first = flow_to(times.first());
+    const Image middle = flow_to(times.middle());
+    write_file(file(layout().depth, "depth"), text_matrix(*middle.find("depth.Z"), width));
+    write_flow(middle, file(layout().undistort, "undistort"));
+    write_flow(first, file(layout().undistort_first, "undistort_first"));
+    const auto seen = static_cast<float>(FlowState::seen), hidden = static_cast<float>(FlowState::hidden);
+    const std::vector<float>& in_middle = middle.find("flow.state")->values;
+    for (Channel& channel : first.channels)
+      if (channel.name == "flow.state")
+        for (size_t i = 0; i < in_middle.size(); ++i)  // an occlusion is white where it is not seen: turned round
+          channel.values[i] = channel.values[i] == seen && in_middle[i] == seen ? hidden : seen;
+    write_occlusion(first, file(layout().undistort_seen, "undistort_seen"));
   }
 
   std::string relative(const std::string& path) const {
@@ -221,17 +199,8 @@ class Dataset {
 
   /// From the frame's sharp picture to the next one.
   void write_flow_of(int frame, const FrameTimes& times, ordered_json& files) {
-    ShotOptions options = arguments_.scene.shot;
-    options.frame = frame;
-    const double from = (times.middle() - times.frame_time) * fps_;
-    options.shutter = {from, from + 1};
-    options.textures = false;
-    FlowOptions flow_options;
-    flow_options.threads = arguments_.scene.threads;
-    flow_options.instruction_set = arguments_.sampling.params.instruction_set;
-    flow_options.progress = [](double) { return !interrupted(); };
     begin_polling();
-    Image image = flow(make_shot(scene_, options), flow_options);
+    Image image = source_.flow(times.middle(), times.middle() + 1 / fps_);
     end_polling();
     const std::string path = place(layout().flow, frame);
     write_flow(image, path);
@@ -252,21 +221,24 @@ class Dataset {
   }
 
   /// What meta.json and poses.csv say of a frame.
-  void tell(int frame, const Shot& shot, const FrameTimes& times, ordered_json files) {
+  void tell(int frame, const FrameTimes& times, ordered_json files) {
     const ExposureInterval first = line_interval(times.shutter, 0);
     const bool rolling = rolls(times.shutter);
-    frames_.push_back({{"frame", frame},
-                       {"frame_time_s", times.frame_time},
-                       {"first_line_open_s", times.frame_time + first.open},
-                       {"first_line_close_s", times.frame_time + first.close},
-                       {"sharp_s", times.middle()},
-                       {"sharp_first_s", times.first()},
-                       {"pose_start", pose_at(shot, shot.shutter_open)},
-                       {"pose_sharp", pose_at(shot, times.middle())},
-                       {"pose_end", pose_at(shot, shot.shutter_close)},
-                       {"files", std::move(files)}});
-    for (int line = 0; line < (rolling ? times.lines : 1); ++line) {
-      const auto pose = pose_at(shot, times.middle_of(line));
+    const Shot* const shot = source_.shot();
+    ordered_json& of_frame = frames_.emplace_back(ordered_json{{"frame", frame},
+                                                               {"frame_time_s", times.frame_time},
+                                                               {"first_line_open_s", times.frame_time + first.open},
+                                                               {"first_line_close_s", times.frame_time + first.close},
+                                                               {"sharp_s", times.middle()},
+                                                               {"sharp_first_s", times.first()}});
+    if (shot != nullptr) {
+      of_frame["pose_start"] = pose_at(*shot, shot->shutter_open);
+      of_frame["pose_sharp"] = pose_at(*shot, times.middle());
+      of_frame["pose_end"] = pose_at(*shot, shot->shutter_close);
+    }
+    of_frame["files"] = std::move(files);
+    for (int line = 0; shot != nullptr && line < (rolling ? times.lines : 1); ++line) {
+      const auto pose = pose_at(*shot, times.middle_of(line));
       poses_ += fmt::format("{},{},{:.17g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", frame, line,
                             times.middle_of(line), pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], pose[6]);
     }
@@ -282,18 +254,19 @@ class Dataset {
     meta_["lines_open_together"] = rolling && s.open_line == 0;
     meta_["readout_s"] = s.close_line * times.lines;
     meta_["readout_definition"] = "lines x line time";
-    meta_["curve"] = arguments_.sampling.exposure.curve_text;
+    meta_["curve"] = exposure().curve_text;
     meta_["sharp"] = "the instant in the middle of the middle line's exposure; sharp_first: of the first line's";
     meta_["colour"] = "PNG: sRGB through a view; pictures are averaged in linear light before";
+    if (shot == nullptr) return;
     meta_["pose"] =
         "w, x, y, z of the rotation from the camera to the world, then its place in metres; the camera looks along "
         "-z, y is up. poses.csv: at the middle of each line's exposure";
-    meta_["intrinsics"] = intrinsics_of(shot.projection);
+    meta_["intrinsics"] = intrinsics_of(shot->projection);
   }
 
   void describe() {
     meta_["frames"] = frames_;
-    meta_["scene"] = arguments_.scene.paths;
+    meta_[arguments_.is_file() ? "recording" : "scene"] = arguments_.of_scene.scene.paths;
     meta_["command"] = arguments_.command_line;
     meta_["kairos"] = version();
     const std::filesystem::path folder(arguments_.folder);
@@ -301,7 +274,7 @@ class Dataset {
     if (*layout().log != 0) write_file(made(folder / dataset_file(layout().log, arguments_.sequence, 0)), text);
     if (*layout().transforms != 0)
       write_file(made(folder / dataset_file(layout().transforms, arguments_.sequence, 0)), transforms_text());
-    write_file(made(folder / (arguments_.sequence + "_poses.csv")), poses_);
+    if (source_.shot() != nullptr) write_file(made(folder / (arguments_.sequence + "_poses.csv")), poses_);
     write_file(made(folder / (arguments_.sequence + "_meta.json")), text);
     if (!arguments_.quiet) cli::log(fmt::format("wrote {}/{}_meta.json", arguments_.folder, arguments_.sequence));
   }
@@ -323,18 +296,21 @@ class Dataset {
   }
 
   const DatasetArguments& arguments_;
-  const Scene& scene_;
-  double fps_ = 24;
+  DatasetSource& source_;
+  double fps_;
   ordered_json meta_, frames_ = ordered_json::array(), transforms_ = ordered_json::array();
   std::string poses_;
 };
 
 void run_dataset(DatasetArguments& arguments) {
-  read_calibration_into(arguments.sampling);
-  const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
-  if (!arguments.quiet)
-    for (const std::string& warning : contents(*scene).warnings) cli::log("warning: " + warning);
-  Dataset(arguments, *scene).write();
+  DatasetScene& of_scene = arguments.of_scene;
+  if (!arguments.is_file()) read_calibration_into(of_scene.sampling);
+  const std::unique_ptr<DatasetSource> source =
+      arguments.is_file()
+          ? dataset_of_file(of_scene.scene.paths.front(), of_scene.scene.shot.fps, of_scene.scene.threads,
+                            arguments.layout->needs_shot(), arguments.layout->name)
+          : dataset_of_scene(of_scene);
+  Dataset(arguments, *source).write();
 }
 
 }  // namespace
@@ -345,7 +321,7 @@ void add_dataset_command(CLI::App& app, Action& chosen, const std::string& comma
   arguments->command_line = command_line;
   std::string names;
   for (const DatasetLayout& layout : dataset_layouts()) names += (names.empty() ? "" : "|") + std::string(layout.name);
-  add_scene_arguments(command, arguments->scene);
+  add_scene_arguments(command, arguments->of_scene.scene);
   command
       .add_option_function<std::string>(
           "--layout",
@@ -369,29 +345,34 @@ void add_dataset_command(CLI::App& app, Action& chosen, const std::string& comma
   command.add_option("--sequence", arguments->sequence, "The sequence's name (default: the scene's)")
       ->type_name("NAME");
   command.add_flag("--exr", arguments->exr, "An EXR of linear colours beside every PNG");
-  add_exposure_options(command, arguments->sampling.exposure);
-  add_light_options(command, arguments->light);
-  add_sampling_options(command, arguments->sampling);
+  add_exposure_options(command, arguments->of_scene.sampling.exposure);
+  add_light_options(command, arguments->of_scene.light);
+  add_sampling_options(command, arguments->of_scene.sampling);
   add_view_options(command, arguments->view);
   command.add_flag("--quiet", arguments->quiet, "Errors only");
   command.callback([arguments, &chosen, &command] {
-    choose_integrator(command, arguments->sampling.params);
-    if (arguments->sampling.params.integrator == IntegratorKind::qmc)
+    if (arguments->is_file())
+      check_options_of_file(
+          command, {"--layout", "--frames", "--sequence", "--exr", "--shutter", "--rolling", "--curve", "--anchor",
+                    "--sensor-lines", "--signed-curve", "--normalise", "--view", "--exposure"});
+    choose_integrator(command, arguments->of_scene.sampling.params);
+    if (arguments->of_scene.sampling.params.integrator == IntegratorKind::qmc)
       throw CLI::ValidationError("--integrator", "discrete rays see no time; use tc, mixed or auto");
-    if (arguments->layout->rolls && !arguments->sampling.exposure.rolling)
+    if (arguments->layout->rolls && !arguments->of_scene.sampling.exposure.rolling)
       throw CLI::ValidationError("--rolling",
                                  fmt::format("{} is of rolling shutters; give it", arguments->layout->name));
-    if (!arguments->sampling.exposure.map.empty())
+    if (!arguments->of_scene.sampling.exposure.map.empty())
       throw CLI::ValidationError("--interval-map",
                                  "a data set's lines are exposed one after the other; give --rolling");
     if (arguments->sequence.empty())
-      arguments->sequence = std::filesystem::path(arguments->scene.paths.front()).stem().string();
+      arguments->sequence = std::filesystem::path(arguments->of_scene.scene.paths.front()).stem().string();
     if (arguments->sequence.find('/') != std::string::npos || arguments->sequence.find('%') != std::string::npos)
       throw CLI::ValidationError("--sequence", "is the name of a folder, without / and %");
-    arguments->sampling.params.threads = arguments->scene.threads;
-    arguments->scene.shot.textures = arguments->sampling.params.shading != ShadingKind::normal;
-    arguments->scene.shot.strict = arguments->scene.load.strict;
-    arguments->light.apply(command, arguments->sampling.params, arguments->scene.shot);
+    arguments->of_scene.quiet = arguments->quiet;
+    arguments->of_scene.sampling.params.threads = arguments->of_scene.scene.threads;
+    arguments->of_scene.scene.shot.textures = arguments->of_scene.sampling.params.shading != ShadingKind::normal;
+    arguments->of_scene.scene.shot.strict = arguments->of_scene.scene.load.strict;
+    arguments->of_scene.light.apply(command, arguments->of_scene.sampling.params, arguments->of_scene.scene.shot);
     chosen = [arguments] { run_dataset(*arguments); };
   });
 }

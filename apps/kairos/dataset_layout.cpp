@@ -29,6 +29,9 @@ constexpr std::array<DatasetLayout, 8> kLayouts{{
      .sharp = "SEQ/%04d_gs_m.png",
      .sharp_first = "SEQ/%04d_gs_f.png",
      .depth = "SEQ/%04d_rs.pdepth",
+     .undistort = "SEQ/%04d_gs_m.flo",
+     .undistort_first = "SEQ/%04d_gs_f.flo",
+     .undistort_seen = "SEQ/%04d_mask.png",
      .velocity = "SEQ/gt_vel.log"},
     // D. Butler et al. 2012.
     {.name = "sintel",

@@ -20,11 +20,17 @@ struct DatasetLayout {
   const char* log = "";          ///< a file of the sequence that says how it was made, without a number
   const char* exposed_next =
       "";  ///< with a frame's number, the next frame's exposed picture; the last frame then has none
-  const char* flow_seen = "";   ///< the flow where the point is seen in the next sharp picture
-  const char* depth = "";       ///< text: depth along the view axis, each line in the middle of its exposure
-  const char* velocity = "";    ///< of the sequence: how the camera moves in the first frame
-  const char* transforms = "";  ///< of the sequence: poses and velocities of all frames
-  int sharp_every = 0;          ///< above 0: every so manyth frame, the first among them, is sharp in place of exposed
+  const char* flow_seen = "";        ///< the flow where the point is seen in the next sharp picture
+  const char* depth = "";            ///< text: depth along the view axis, each line in the middle of its exposure
+  const char* undistort = "";        ///< flow from there to the sharp picture
+  const char* undistort_first = "";  ///< the same, to the one at the first line
+  const char* undistort_seen = "";   ///< white where the point is seen in both
+  const char* velocity = "";         ///< of the sequence: how the camera moves in the first frame
+  const char* transforms = "";       ///< of the sequence: poses and velocities of all frames
+  int sharp_every = 0;  ///< above 0: every so manyth frame, the first among them, is sharp in place of exposed
+
+  /// Does it say where things are, beside pictures?
+  bool needs_shot() const { return *flow != 0 || *depth != 0 || *velocity != 0 || *transforms != 0; }
 };
 
 std::span<const DatasetLayout> dataset_layouts();

@@ -57,14 +57,6 @@ struct PictureJob {
   std::optional<double> instant;
 };
 
-PixelWeights weights_of(const Exposure& exposure) {
-  const Shutter& shutter = exposure.shutter();
-  const bool rows = shutter.scan == Scan::top || shutter.scan == Scan::bottom;
-  const bool rolls = shutter.open_line != 0 || shutter.close_line != 0;
-  return {[exposure](int x, int y) { return exposure.weight(x, y); }, shutter.map != nullptr || (rolls && !rows),
-          shutter.map != nullptr || (rolls && rows)};
-}
-
 struct Exposed {
   Image image;
   ExposedObjects objects;  ///< empty where nobody needs them
@@ -88,8 +80,8 @@ Exposed expose(const ExposeArguments& arguments, const TimePicture& picture, con
     check_recorded(arguments.file, frame, job.frame_time + whole.open, job.frame_time + whole.close);
     const Exposure exposure(job.shutter, job.frame_time, frame.frame_width, frame.frame_height, frame.open,
                             frame.close);
-    image = picture.expose(weights_of(exposure), options);
-    if (arguments.needs_objects()) objects = picture.objects(weights_of(exposure), options);
+    image = picture.expose(pixel_weights(exposure), options);
+    if (arguments.needs_objects()) objects = picture.objects(pixel_weights(exposure), options);
     const std::string text = shutter_text(job.shutter, frame.frame_width, frame.frame_height);
     image.attributes.push_back({"kairos:exposed", text});
     image.attributes.push_back({"kairos:exposure", std::array<double, 2>{job.shutter.open, job.shutter.close}});
@@ -107,27 +99,31 @@ Exposed expose(const ExposeArguments& arguments, const TimePicture& picture, con
   return {std::move(image), std::move(objects)};
 }
 
-/// Where the point that a pixel's centre shows in the middle of the exposure (of a rolling shutter, of its middle
-/// line's) is at its end, and where it was at its beginning: channels "forward.u", "forward.v", "backward.u",
-/// "backward.v", as flow's.
+/// Where the point that a pixel's centre shows in the middle of its exposure is at the exposure's end, and where it was
+/// at its beginning: channels "forward.u", "forward.v", "backward.u", "backward.v", as flow's. Lines of a rolling
+/// shutter have instants of their own.
 void add_motion(const ExposeArguments& arguments, const TimeFile& file, const PictureJob& job, Image& image) {
   const TimeFrame& frame = file.picture().frame();
-  const bool columns = job.shutter.scan == Scan::left || job.shutter.scan == Scan::right;
-  const int lines = columns ? frame.frame_width : frame.frame_height;
-  const ExposureInterval interval = line_interval(job.shutter, (lines - 1) / 2);
+  const ExposureInterval whole = whole_interval(job.shutter, frame.frame_width, frame.frame_height);
   const auto recorded = [&](double time) { return std::clamp(job.frame_time + time, frame.open, frame.close); };
-  const double open = recorded(interval.open), close = recorded(interval.close), middle = (open + close) / 2;
+  const Shot shot = file.shot(recorded(whole.open), recorded(whole.close));
+  const Exposure exposure(job.shutter, job.frame_time, frame.frame_width, frame.frame_height, shot.shutter_open,
+                          shot.shutter_close);
   FlowOptions options;
   options.threads = arguments.threads;
   options.progress = [](double) { return !interrupted(); };
   for (const bool backward : {false, true}) {
-    options.backward = backward;
-    const Image flow_all = flow(backward ? file.shot(open, middle) : file.shot(middle, close), options);
+    options.times = [&, backward](int x, int y) -> std::array<double, 2> {
+      const TimeWeight weight = exposure.weight(x, y);
+      const double begin = weight.begin(), end = std::min(weight.end(), 1.0);
+      return {(begin + end) / 2, backward ? begin : end};
+    };
+    const Image flow_all = flow(shot, options);
     for (const char* axis : {"u", "v"}) {
-      const std::vector<float>& whole = flow_all.find(std::string("flow.") + axis)->values;
+      const std::vector<float>& values = flow_all.find(std::string("flow.") + axis)->values;
       Channel channel{std::string(backward ? "backward." : "forward.") + axis, Channel::Storage::exact, {}};
       for (int y = 0; y < image.height; ++y) {
-        const auto row = whole.begin() + static_cast<std::ptrdiff_t>(y + image.top) * image.frame_width + image.left;
+        const auto row = values.begin() + static_cast<std::ptrdiff_t>(y + image.top) * image.frame_width + image.left;
         channel.values.insert(channel.values.end(), row, row + image.width);
       }
       image.channels.push_back(std::move(channel));

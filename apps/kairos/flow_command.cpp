@@ -1,7 +1,6 @@
 // kairos flow: where what each pixel shows at one instant is at another.
 #include <algorithm>
 #include <memory>
-#include <set>
 
 #include <kairos/error.h>
 #include <kairos/files.h>
@@ -34,16 +33,16 @@ void add_time(CLI::App& app, const std::string& name, Duration& out, const std::
       ->type_name("TIME");
 }
 
-/// The flow between two instants, which have to be those between which the shot's shutter is open.
-void write_flow_of(const FlowArguments& arguments, const Shot& shot, bool backward, const std::string& out,
+/// make_flow(options): the flow between the two instants.
+template <class MakeFlow>
+void write_flow_of(const FlowArguments& arguments, const MakeFlow& make_flow, const std::string& out,
                    const std::string& occlusion) {
   FlowOptions options;
-  options.backward = backward;
   options.threads = arguments.scene.threads;
   options.instruction_set = arguments.instruction_set;
   options.progress = [](double) { return !interrupted(); };
   begin_polling();
-  Image image = flow(shot, options);
+  Image image = make_flow(options);
   end_polling();
   image.attributes.push_back({"kairos:command_line", arguments.command_line});
   write_flow(image, out);
@@ -70,12 +69,11 @@ void flow_of_file(const FlowArguments& arguments) {
     throw Error(ErrorCode::bad_input, path,
                 "does not hold where things are; render it again with --time-planes geometry");
   const double fps = arguments.scene.shot.fps.value_or(frame.fps);
-  const double from = frame.frame_time + arguments.from.in_seconds(fps);
-  const double to = frame.frame_time + arguments.to.in_seconds(fps);
-  check_recorded(path, frame, std::min(from, to), std::max(from, to));
-  const auto recorded = [&](double time) { return std::clamp(time, frame.open, frame.close); };
-  const Shot shot = file.shot(recorded(std::min(from, to)), recorded(std::max(from, to)));
-  write_flow_of(arguments, shot, to < from, arguments.out, arguments.occlusion);
+  const double from = arguments.from.in_seconds(fps), to = arguments.to.in_seconds(fps);
+  check_recorded(path, frame, frame.frame_time + std::min(from, to), frame.frame_time + std::max(from, to));
+  write_flow_of(
+      arguments, [&](const FlowOptions& options) { return file.flow(from, to, options); }, arguments.out,
+      arguments.occlusion);
 }
 
 /// Of the frame that `scene.shot` says.
@@ -86,16 +84,14 @@ void write_frame(const FlowArguments& arguments, const Scene& scene, const ShotO
   const double from = arguments.from.in_frames(fps), to = arguments.to.in_frames(fps);
   options.shutter = {std::min(from, to), std::max(from, to)};
   options.textures = false;
-  write_flow_of(arguments, make_shot(scene, options), to < from, out, occlusion);
-}
-
-/// What was rendered is not chosen again.
-void check_options_of_file(const CLI::App& command) {
-  const std::set<std::string> known{"SCENE",    "--fps",       "--threads",         "--from", "--to",
-                                    "--output", "--occlusion", "--instruction-set", "--quiet"};
-  for (const CLI::Option* option : command.get_options())
-    if (option->count() > 0 && !known.contains(option->get_name()))
-      throw CLI::ValidationError(option->get_name(), "is for scenes; a file of time holds what was rendered");
+  const Shot shot = make_shot(scene, options);
+  write_flow_of(
+      arguments,
+      [&](FlowOptions flow_options) {
+        flow_options.backward = to < from;
+        return flow(shot, flow_options);
+      },
+      out, occlusion);
 }
 
 void run_flow(const FlowArguments& arguments) {
@@ -142,7 +138,8 @@ void add_flow_command(CLI::App& app, Action& chosen, const std::string& command_
   add_instruction_set(command, arguments->instruction_set);
   command.add_flag("--quiet", arguments->quiet, "Errors only");
   command.callback([arguments, &chosen, &command] {
-    if (holds_time(arguments->scene.paths)) check_options_of_file(command);
+    if (holds_time(arguments->scene.paths))
+      check_options_of_file(command, {"--from", "--to", "--occlusion", "--instruction-set"});
     if (arguments->scene.shutter)
       throw CLI::ValidationError("--shutter", "flow goes from one instant to another; give --from and --to");
     if (arguments->from.value == arguments->to.value && arguments->from.seconds == arguments->to.seconds)

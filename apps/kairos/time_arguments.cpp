@@ -42,6 +42,13 @@ bool holds_time(const std::vector<std::string>& paths) {
   return paths.size() == 1 && (paths[0].ends_with(".ktime") || paths[0].ends_with(".ktime.part"));
 }
 
+void check_options_of_file(const CLI::App& command, std::set<std::string> known) {
+  known.insert({"SCENE", "--fps", "--threads", "--output", "--quiet"});
+  for (const CLI::Option* option : command.get_options())
+    if (option->count() > 0 && !known.contains(option->get_name()))
+      throw CLI::ValidationError(option->get_name(), "is for scenes; a file of time holds what was rendered");
+}
+
 void check_recorded(const std::string& path, const TimeFrame& frame, double open, double close) {
   constexpr double kInside = 1e-9;  // parts of the recorded time that rounding may make of what lies inside of it
   const double slack = kInside * (frame.close - frame.open);

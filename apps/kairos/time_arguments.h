@@ -1,6 +1,7 @@
 // Pictures over time on the command line of kairos render.
 #pragma once
 
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,10 @@ void add_time_options(CLI::App& app, std::string& path, TimeFileOptions& out);
 
 /// Are these the name of a file of kairos render --time?
 bool holds_time(const std::vector<std::string>& paths);
+
+/// What was rendered is not chosen again: throws CLI::ValidationError for an option of a command on such a file that is
+/// neither among `known` nor one of all of them.
+void check_options_of_file(const CLI::App& command, std::set<std::string> known);
 
 /// Throws Error(bad_input) where [open, close], scene time, leaves what a file holds: by how much, and what would cover
 /// it.

@@ -1,6 +1,7 @@
 // Optical flow: where what a pixel shows at one instant is at another.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -25,6 +26,10 @@ struct FlowOptions {
   std::optional<InstructionSet> instruction_set;
   int threads = 0;                                     ///< 0: as many as the machine has; no effect on the result
   std::function<bool(double fraction)> progress = {};  ///< as render's
+  /// From when to when in each pixel of the frame, shutter times from 0 to 1 in any order, in place of the ends of the
+  /// shutter's time: a rolling shutter's lines have instants of their own. Instants that are no keys lie on the
+  /// straight lines between them.
+  std::function<std::array<double, 2>(int x, int y)> times = {};
 };
 
 /// Of the point that each pixel's centre shows when the shutter opens, of opaque surfaces and cut-outs: channels

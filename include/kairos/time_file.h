@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <kairos/export.h>
+#include <kairos/flow.h>
 #include <kairos/time_picture.h>
 
 namespace kairos {
@@ -72,6 +73,19 @@ class KAIROS_API TimeFile {
 
   const TimeFileInfo& info() const { return info_; }
   const TimePicture& picture() const { return picture_; }
+
+  /// The picture under a shutter, whose times are counted from the frame's time. Throws Error(bad_usage) as Exposure
+  /// does, for one that leaves the recorded time, too; and what `picture().expose` does.
+  Image expose(const Shutter& shutter, const ExposeOptions& options = {}) const;
+  /// What is seen at an instant, in seconds from the frame's time: see TimePicture::at. Throws Error(bad_usage) for one
+  /// that is not recorded.
+  Image at(double seconds, const ExposeOptions& options = {}) const;
+  /// A pixel's pieces: TimePicture::signal.
+  std::vector<TimePiece> signal(int x, int y) const { return picture_.signal(x, y); }
+  /// Where what each pixel's centre shows at `from` is at `to`, which may be the earlier one: see kairos::flow. Seconds
+  /// from the frame's time. Of all of the frame, whatever the crop. FlowOptions::backward and times count from the
+  /// earlier one to the later one. Throws what `shot` and kairos::flow do.
+  Image flow(double from, double to, FlowOptions options = {}) const;
 
   bool has_geometry() const;
   /// Where everything is while the picture's shutter is open, from scene time `from` to `to`: what was rendered,

@@ -12,6 +12,7 @@
 #include <kairos/image.h>
 #include <kairos/record.h>
 #include <kairos/render.h>
+#include <kairos/shutter.h>
 #include <kairos/time_weight.h>
 
 namespace kairos {
@@ -64,6 +65,8 @@ struct PixelWeights {
   std::function<TimeWeight(int x, int y)> at;  ///< x, y: in the full frame
   bool varies_in_x = false, varies_in_y = false;
 };
+/// Those of an exposure over the shot that the picture is of, or over its time.
+KAIROS_API PixelWeights pixel_weights(const Exposure& exposure);
 
 struct ExposeOptions {
   bool coverage = false;                               ///< the channel "coverage.A", too

@@ -18,6 +18,9 @@ class HeldShot {
  public:
   HeldShot(std::shared_ptr<const Scene> scene, ShotOptions options, std::optional<Vec3f> backdrop, bool transparent,
            std::optional<Shutter> shutter);
+  /// Of no scene: where things are alone.
+  HeldShot(Shot shot, double frame_time, double fps)
+      : transparent_(false), frame_time_(frame_time), fps_(fps), shot_(std::move(shot)) {}
 
   const Shot& shot() const { return shot_; }
   /// What a shading shows: without light a studio that was lent would only be a background.
@@ -31,7 +34,7 @@ class HeldShot {
  private:
   Shot make(const ShotOptions& options) const;
 
-  std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<const Scene> scene_;  // or null
   ShotOptions options_;
   std::optional<Vec3f> backdrop_;
   bool transparent_;

@@ -13,32 +13,49 @@ namespace kairos::python {
 
 namespace {
 
-TimePicture record(const std::shared_ptr<HeldShot>& held, const py::dict& values, double tolerance,
-                   py::object callback) {
+/// A picture over time, and the file that it is of, if there is one.
+struct HeldTime {
+  TimePicture picture;
+  std::shared_ptr<const TimeFile> file;
+
+  explicit HeldTime(TimePicture in_memory) : picture(std::move(in_memory)) {}
+  explicit HeldTime(const std::string& path) : HeldTime(std::make_shared<const TimeFile>(TimeFile::open(path))) {}
+  explicit HeldTime(std::shared_ptr<const TimeFile> of) : picture(of->picture()), file(std::move(of)) {}
+
+  bool has_geometry() const { return file != nullptr && file->has_geometry(); }
+  const TimeFile& with_geometry() const {
+    if (!has_geometry())
+      refuse("geometry", "is not held; record(..., file=..., geometry=True) and --time-planes geometry keep it");
+    return *file;
+  }
+};
+
+HeldTime record(const std::shared_ptr<HeldShot>& held, const py::dict& values, double tolerance, bool objects,
+                py::object callback) {
   RenderParams params = render_params(*held, values);
   params.exposure.reset();  // rays look at all of the time that is kept
   const Progress progress = progress_of(std::move(callback));
   const py::gil_scoped_release unlocked;
   const Shot& shot = held->shot_for(params.shading);
-  TimeFilm film(shot, params, tolerance, {held->frame_time(), held->fps()});
+  TimeFilm film(shot, params, tolerance, {held->frame_time(), held->fps()}, objects);
   PixelConsumer* const consumers[] = {&film};
   Renderer(shot).render(params, consumers, nullptr, progress);
-  return film.take();
+  return HeldTime(film.take());
 }
 
 /// The same, into a file, which is then opened.
-TimePicture record_file(const std::shared_ptr<HeldShot>& held, const py::dict& values, double tolerance,
-                        const std::string& path, py::object callback) {
+HeldTime record_file(const std::shared_ptr<HeldShot>& held, const py::dict& values, double tolerance, bool objects,
+                     bool geometry, const std::string& path, py::object callback) {
   RenderParams params = render_params(*held, values);
   params.exposure.reset();
   const Progress progress = progress_of(std::move(callback));
   const py::gil_scoped_release unlocked;
   const Shot& shot = held->shot_for(params.shading);
-  TimeFileWriter writer(path, shot, params, {tolerance, {held->frame_time(), held->fps()}, ""});
+  TimeFileWriter writer(path, shot, params, {tolerance, {held->frame_time(), held->fps()}, "", objects, geometry});
   PixelConsumer* const consumers[] = {&writer};
   Renderer(shot).render(params, consumers, nullptr, progress);
   writer.finish();
-  return TimeFile::open(path).picture();
+  return HeldTime(path);
 }
 
 ExposeOptions expose_options(bool coverage, py::object callback) {
@@ -48,7 +65,8 @@ ExposeOptions expose_options(bool coverage, py::object callback) {
   return options;
 }
 
-py::dict expose(const TimePicture& picture, py::object shutter, bool coverage, py::object callback) {
+/// Of all of the time where there is no shutter.
+Exposure exposure_of(const TimePicture& picture, py::handle shutter) {
   const TimeFrame& frame = picture.frame();
   Shutter chosen;
   if (shutter.is_none()) {
@@ -57,33 +75,80 @@ py::dict expose(const TimePicture& picture, py::object shutter, bool coverage, p
   } else {
     chosen = shutter_from(shutter);
   }
+  return {chosen, frame.frame_time, frame.frame_width, frame.frame_height, frame.open, frame.close};
+}
+
+py::dict expose(const HeldTime& held, py::object shutter, bool coverage, py::object callback) {
+  const Exposure exposure = exposure_of(held.picture, shutter);
   const ExposeOptions options = expose_options(coverage, std::move(callback));
   Image image;
   {
     const py::gil_scoped_release unlocked;
-    const Exposure exposure(chosen, frame.frame_time, frame.frame_width, frame.frame_height, frame.open, frame.close);
-    const bool rows = chosen.scan == Scan::top || chosen.scan == Scan::bottom;
-    const bool rolls = chosen.open_line != 0 || chosen.close_line != 0;
-    image = picture.expose({[exposure](int x, int y) { return exposure.weight(x, y); }, rolls && !rows, rolls && rows},
-                           options);
+    image = held.picture.expose(pixel_weights(exposure), options);
   }
   return image_to(std::move(image));
 }
 
-py::dict at(const TimePicture& picture, double time, bool coverage) {
+/// (offsets, mesh, colour, coverage, depth): of pixels in rows, columns of the meshes that an exposure shows.
+py::tuple objects(const HeldTime& held, py::object shutter, py::object callback) {
+  const Exposure exposure = exposure_of(held.picture, shutter);
+  const ExposeOptions options = expose_options(false, std::move(callback));
+  ExposedObjects found;
+  std::vector<int64_t> offsets;
+  std::vector<uint32_t> mesh;
+  std::vector<float> colour, coverage, depth;
+  {
+    const py::gil_scoped_release unlocked;
+    found = held.picture.objects(pixel_weights(exposure), options);
+    offsets.assign(found.first.begin(), found.first.end());
+    for (const SeenObject& seen : found.seen) {
+      mesh.push_back(seen.mesh);
+      colour.insert(colour.end(), {seen.colour.x, seen.colour.y, seen.colour.z});
+      coverage.push_back(seen.coverage);
+      depth.push_back(seen.depth);
+    }
+  }
+  const auto pixels = static_cast<py::ssize_t>(offsets.size()), count = static_cast<py::ssize_t>(mesh.size());
+  return py::make_tuple(array_from(std::move(offsets), {pixels}), array_from(std::move(mesh), {count}),
+                        array_from(std::move(colour), {count, 3}), array_from(std::move(coverage), {count}),
+                        array_from(std::move(depth), {count}));
+}
+
+/// from, to: seconds from the frame's time.
+py::dict flow_between(const HeldTime& held, double from, double to, py::object callback) {
+  const TimeFile& file = held.with_geometry();
+  FlowOptions options;
+  options.progress = progress_of(std::move(callback));
+  Image image;
+  {
+    const py::gil_scoped_release unlocked;
+    image = file.flow(from, to, options);
+  }
+  return image_to(std::move(image));
+}
+
+std::shared_ptr<HeldShot> shot_between(const HeldTime& held, double from, double to) {
+  const TimeFile& file = held.with_geometry();
+  const TimeFrame& frame = held.picture.frame();
+  const py::gil_scoped_release unlocked;
+  return std::make_shared<HeldShot>(file.shot(frame.frame_time + from, frame.frame_time + to), frame.frame_time,
+                                    frame.fps);
+}
+
+py::dict at(const HeldTime& held, double time, bool coverage) {
   if (!(time >= 0 && time <= 1)) refuse("time", "is not from 0, when the shutter opens, to 1, when it closes");
   const ExposeOptions options = expose_options(coverage, py::none());
   Image image;
   {
     const py::gil_scoped_release unlocked;
-    image = picture.at(time, options);
+    image = held.picture.at(time, options);
   }
   return image_to(std::move(image));
 }
 
 /// (begin, end, left, right), columns of a pixel's pieces.
-py::tuple signal(const TimePicture& picture, int x, int y) {
-  const std::vector<TimePiece> pieces = picture.signal(x, y);
+py::tuple signal(const HeldTime& held, int x, int y) {
+  const std::vector<TimePiece> pieces = held.picture.signal(x, y);
   std::vector<double> begin, end;
   std::vector<float> left, right;
   for (const TimePiece& piece : pieces) {
@@ -97,9 +162,11 @@ py::tuple signal(const TimePicture& picture, int x, int y) {
                         array_from(std::move(left), {count, 4}), array_from(std::move(right), {count, 4}));
 }
 
-py::dict about(const TimePicture& picture) {
-  const TimeFrame& frame = picture.frame();
-  const TimeQuality quality = picture.quality();
+py::dict about(const HeldTime& held) {
+  const TimeFrame& frame = held.picture.frame();
+  const TimeQuality quality = held.picture.quality();
+  std::vector<std::string> meshes;
+  for (const TimeFrame::Object& object : frame.objects) meshes.push_back(object.name);
   Writer f;
   f("width", frame.width);
   f("height", frame.height);
@@ -112,22 +179,28 @@ py::dict about(const TimePicture& picture) {
   f("rounding", quality.rounding);
   f("pieces", quality.pieces);
   f("missing", quality.missing);
+  f("has_objects", held.picture.has_objects());
+  f("has_geometry", held.has_geometry());
+  f("mesh_names", meshes);
   return f.values;
 }
 
 }  // namespace
 
 void bind_time(py::module_& module) {
-  py::class_<TimePicture>(module, "TimePicture")
+  py::class_<HeldTime>(module, "TimePicture")
       .def("expose", &expose)
       .def("at", &at)
+      .def("objects", &objects)
+      .def("flow", &flow_between)
+      .def("shot", &shot_between)
       .def("signal", &signal)
       .def("about", &about);
   module.def("record", &record);
   module.def("record_file", &record_file);
   module.def("open_time", [](const std::string& path) {
     const py::gil_scoped_release unlocked;
-    return TimeFile::open(path).picture();
+    return HeldTime(path);
   });
 }
 

@@ -44,6 +44,14 @@ Image develop(const TimeFrame& frame, TimeTiles& tiles, const ExposeOptions& opt
 
 }  // namespace
 
+PixelWeights pixel_weights(const Exposure& exposure) {
+  const Shutter& shutter = exposure.shutter();
+  const bool rows = shutter.scan == Scan::top || shutter.scan == Scan::bottom;
+  const bool rolls = shutter.open_line != 0 || shutter.close_line != 0;
+  return {[exposure](int x, int y) { return exposure.weight(x, y); }, shutter.map != nullptr || (rolls && !rows),
+          shutter.map != nullptr || (rolls && rows)};
+}
+
 TimePicture::TimePicture(TimeFrame frame, std::shared_ptr<TimeTiles> tiles)
     : frame_(std::move(frame)), tiles_(std::move(tiles)) {}
 TimePicture::~TimePicture() = default;

@@ -223,6 +223,23 @@ TimeFile TimeFile::open(const std::string& path) {
   return {info, TimePicture(std::move(description.frame), tiles), tiles, path};
 }
 
+Image TimeFile::expose(const Shutter& shutter, const ExposeOptions& options) const {
+  const TimeFrame& frame = picture_.frame();
+  return picture_.expose(pixel_weights(Exposure(shutter, frame.frame_time, frame.frame_width, frame.frame_height,
+                                                frame.open, frame.close)),
+                         options);
+}
+
+Image TimeFile::at(double seconds, const ExposeOptions& options) const {
+  const TimeFrame& frame = picture_.frame();
+  const double time = frame.frame_time + seconds, length = frame.close - frame.open;
+  const double shutter_time = length > 0 ? (time - frame.open) / length : time == frame.open ? 0 : -1;
+  constexpr double kRounding = 1e-9;  // of sums of times
+  if (!(shutter_time >= -kRounding && shutter_time <= 1 + kRounding))
+    throw Error(ErrorCode::bad_usage, path_, "does not hold this instant");
+  return picture_.at(std::clamp(shutter_time, 0.0, 1.0), options);
+}
+
 bool TimeFile::has_geometry() const { return tiles_->has_geometry(); }
 
 Shot TimeFile::shot(double from, double to) const {

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -32,6 +33,13 @@ class CliTime : public CliTest {
     EXPECT_EQ(result.status, status) << arguments << "\n" << result.err;
     EXPECT_TRUE(result.one_line_error()) << result.err;
     return result.err;
+  }
+  /// Those of a .flo.
+  std::vector<float> vectors_of(const std::string& name, const std::string& folder) const {
+    const std::string flo = read(path(folder + name));
+    std::vector<float> vectors((std::max<size_t>(12, flo.size()) - 12) / 4);
+    std::memcpy(vectors.data(), flo.data() + 12, vectors.size() * 4);
+    return vectors;
   }
   Image image(const std::string& name) const { return read_image(path(name)); }
   /// Largest difference of colours.
@@ -316,6 +324,17 @@ TEST_F(CliTime, FlowOfAFileIsThatOfItsScene) {
   ok("flow scene.json --fps 10 --quiet --from 6f --to 2f -o backward.exr");
   same("motion.exr", "forward.u", "forward.exr", "flow.u");
   same("motion.exr", "backward.u", "backward.exr", "flow.u");
+  // A rolling shutter's lines have a middle and an end each; line 9 from 0.28 s to 0.58 s.
+  ok("expose all.ktime --quiet -o rolling.exr --aov motion --shutter 3@1 --rolling top:0.4s");
+  ok("flow scene.json --fps 10 --quiet --from 0.43s --to 0.58s -o line.exr");
+  const Image rolling = image("rolling.exr"), line = image("line.exr");
+  double moved = 0;
+  for (size_t x = 0; x < 32; ++x) {
+    const float u = rolling.find("forward.u")->values[9 * 32 + x];
+    EXPECT_NEAR(u, line.find("flow.u")->values[9 * 32 + x], 1e-4) << x;
+    moved += static_cast<double>(u);
+  }
+  EXPECT_GT(moved, 0.5);
 
   EXPECT_THAT(refusal("flow all.ktime --quiet --to 11f -o no.flo", 1), HasSubstr("--shutter 0,11"));
   EXPECT_THAT(refusal("flow all.ktime --camera 0 -o no.flo", 2), HasSubstr("--camera"));
@@ -448,6 +467,20 @@ TEST_F(CliTime, DataSetsOfMovingCameras) {
   EXPECT_GT(near, 20u) << "a line a pixel or more of the bar";
   EXPECT_LT(near, 100u) << "at an instant, not over the exposure";
 
+  // From a line's own instant to the global picture's: the bar flies on, and the middle line stays where it is.
+  const std::vector<float> vectors = vectors_of("0000_gs_m.flo", "set/scene/");
+  ASSERT_EQ(vectors.size(), size_t{2} * 32 * 20);
+  const auto most = [&](size_t y) {
+    float u = 0;
+    for (size_t x = 0; x < 32; ++x)
+      if (const float at = vectors[2 * (y * 32 + x)]; std::abs(at) > std::abs(u)) u = at;
+    return u;
+  };
+  EXPECT_GT(most(7), 0.05f);
+  EXPECT_LT(most(12), -0.05f);
+  EXPECT_NEAR(most(7) / 2.5f, most(8) / 1.5f, 1e-3f);
+  EXPECT_TRUE(exists("set/scene/0000_gs_f.flo") && exists("set/scene/0000_mask.png"));
+
   ok("dataset scene.json --layout kitti -o set --sequence kitti --frames 0-2 --fps 10 --shutter 1" + sampled);
   const std::string kitti = "set/kitti/training/";
   EXPECT_EQ(read(path(kitti + "image_2/000000_11.png")), read(path(kitti + "image_2/000001_10.png")));
@@ -459,6 +492,49 @@ TEST_F(CliTime, DataSetsOfMovingCameras) {
     return std::count_if(values.begin(), values.end(), [](float value) { return value > 0; });
   };
   EXPECT_LT(valid("flow_noc/000000_10.png"), valid("flow_occ/000000_10.png")) << "the bar covers what it comes to";
+}
+
+// A file of several frames gives the pictures that its scene does, and the flow between them.
+TEST_F(CliTime, DataSetsOfFiles) {
+  ok("render scene.json --frame 2 --shutter 0,4 --time all.ktime --time-planes geometry --time-tolerance exact --fps "
+     "10 "
+     "--shading flat --tc-rays 8 --quiet");
+  const std::string scene = "dataset scene.json --fps 10 --shading flat --tc-rays 8 -o scene ",
+                    file = "dataset all.ktime --sequence scene -o file ";
+  for (const std::string layout : {"carla-rs --rolling top:0.04s", "sintel", "3dgs-deblur"}) {
+    const std::string of_both = "--quiet --exr --frames 2-3 --shutter 0.5 --layout " + layout;
+    ok(scene + of_both);
+    ok(file + of_both);
+  }
+  size_t pictures = 0, same = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(path("scene"))) {
+    const std::string name = std::filesystem::relative(entry.path(), path("scene")).string();
+    if (entry.is_directory()) continue;
+    ASSERT_TRUE(exists("file/" + name)) << name;
+    if (name.ends_with(".exr")) {
+      EXPECT_LT(difference("scene/" + name, "file/" + name), 1e-3) << name;
+      ++pictures;
+    } else if (name.ends_with(".flo")) {
+      const std::vector<float> first = vectors_of(name, "scene/"), second = vectors_of(name, "file/");
+      ASSERT_EQ(first.size(), second.size());
+      for (size_t i = 0; i < first.size(); ++i) ASSERT_NEAR(first[i], second[i], 1e-3) << name;
+      ++same;
+    } else if (name.ends_with("_poses.csv") || name.ends_with("_mask.png")) {
+      EXPECT_TRUE(read(path("scene/" + name)) == read(path("file/" + name))) << name;
+      ++same;
+    }
+  }
+  EXPECT_EQ(pictures, 12u);
+  EXPECT_EQ(same, 8u);
+
+  EXPECT_THAT(refusal("dataset all.ktime --layout gopro --frames 2 -o no --tc-rays 3", 2), HasSubstr("--tc-rays"));
+  EXPECT_THAT(refusal("dataset all.ktime --layout gopro --frames 2-6 -o no --quiet", 1), HasSubstr("--shutter 0,4.5"));
+  ok(std::string(kRender) + "--shutter 0,10 --time colours.ktime");
+  EXPECT_THAT(refusal("dataset colours.ktime --layout sintel --frames 2 -o no", 1),
+              HasSubstr("--time-planes geometry"));
+  ok("dataset colours.ktime --layout gopro --frames 2 -o colours --quiet");
+  EXPECT_TRUE(exists("colours/colours/blur/000001.png"));
+  EXPECT_FALSE(exists("colours/colours_poses.csv")) << "nobody knows where the camera was";
 }
 
 TEST_F(CliTime, RefusesInOneLine) {

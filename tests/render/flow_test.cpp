@@ -76,6 +76,34 @@ TEST(Flow, OfASquareBeforeAWall) {
   }
 }
 
+// Each row between instants of its own, as a rolling shutter's lines have them: a part of the way, from where the
+// square is by then.
+TEST(Flow, RowsMayHaveInstantsOfTheirOwn) {
+  const Shot shot = square_before_wall({1, 0, 0});
+  const double focal = kHigh / 2.0 / std::tan(shot.projection.vfov / 2);
+  const auto begin = [](int y) { return 0.5 * y / kHigh; };
+  FlowOptions options;
+  options.times = [&](int, int y) -> std::array<double, 2> { return {begin(y), 0.75}; };
+  const Image image = flow(shot, options);
+  const At at{image};
+  size_t moving = 0, hidden = 0;
+  for (int y = 0; y < kHigh; ++y)
+    for (int x = 0; x < kWide; ++x) {
+      const double right = (x + 0.5 - kWide / 2.0) * 4 / focal, up = (kHigh / 2.0 - y - 0.5) * 4 / focal;
+      if (std::abs(std::abs(right - begin(y)) - 1) < 1e-6 || std::abs(std::abs(right - 0.75) - 1) < 1e-6) continue;
+      const bool before = std::abs(right - begin(y)) < 1 && std::abs(up) < 1,
+                 after = std::abs(right - 0.75) < 1 && std::abs(up) < 1;
+      ASSERT_NEAR(at("flow.u", x, y), before ? (0.75 - begin(y)) / 4 * focal : 0, 1e-4) << x << " " << y;
+      ASSERT_NEAR(at("depth.Z", x, y), before ? 4 : 8, 1e-4) << x << " " << y;
+      const FlowState expected = !before && after ? FlowState::hidden : FlowState::seen;
+      ASSERT_EQ(at("flow.state", x, y), static_cast<float>(expected)) << x << " " << y;
+      moving += before;
+      hidden += expected == FlowState::hidden;
+    }
+  EXPECT_GT(moving, 50u);
+  EXPECT_GT(hidden, 5u);
+}
+
 // A camera that moves and turns before things that stand still: a pixel's depth and the pose say where it goes.
 TEST(Flow, AgreesWithDepthAndPose) {
   const uint32_t seed = test::seed();

@@ -100,6 +100,23 @@ class SameNumbers(unittest.TestCase):
             whole = picture.expose()
             np.testing.assert_allclose(mean[:3], whole.rgb[13, 20], atol=1e-5)
 
+    def test_what_files_of_time_know(self):
+        shot = kairos.load(DEMO).shot(frame=24, shutter=(0, 1), size=(48, 27))
+        recorded = kairos.record(shot, tc_rays=2, file=self.path("a.ktime"), objects=True, geometry=True)
+        seen, offsets = recorded.objects((0.25, 0.5))
+        covered = np.add.reduceat(np.append(seen["coverage"], 0), offsets[:-1]) * (np.diff(offsets) > 0)
+        np.testing.assert_allclose(covered, recorded.expose((0.25, 0.5), coverage=True)["coverage.A"].ravel(), atol=2e-2)
+        self.assertEqual(recorded.mesh_names, shot.mesh_names)
+        backward, wanted = recorded.flow(1, 0), kairos.flow(shot, backward=True)
+        np.testing.assert_allclose(backward["flow.u"], wanted["flow.u"], atol=0.01)
+        self.assertGreater(np.abs(backward["flow.u"]).max(), 0.1)
+        part = recorded.shot(0.5, 1)
+        self.assertEqual(part.mesh_names, shot.mesh_names)
+        np.testing.assert_allclose(part.camera_to_world(0), shot.camera_to_world(0.5), atol=1e-6)
+        self.assertEqual(kairos.flow(part).size, (48, 27))
+        with self.assertRaisesRegex(kairos.UsageError, "geometry"):
+            kairos.record(shot, tc_rays=1).flow()
+
     def test_files_of_time(self):
         command("render", DEMO, "--time", self.path("a.ktime"), "--frame", 24, "--shutter", "0,1", "--size", "48x40", "--tc-rays", 2,
                 "--quiet")
