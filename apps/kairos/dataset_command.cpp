@@ -146,7 +146,7 @@ class Dataset {
       return image;
     };
     const auto file = [&](const char* pattern, const char* what) {
-      const std::string path = place(pattern, frame);
+      std::string path = place(pattern, frame);
       files[what] = relative(path);
       return path;
     };

@@ -165,8 +165,8 @@ py::tuple signal(const HeldTime& held, int x, int y) {
 py::dict about(const HeldTime& held) {
   const TimeFrame& frame = held.picture.frame();
   const TimeQuality quality = held.picture.quality();
-  std::vector<std::string> meshes;
-  for (const TimeFrame::Object& object : frame.objects) meshes.push_back(object.name);
+  py::list meshes;
+  for (const TimeFrame::Object& object : frame.objects) meshes.append(py::str(object.name));
   Writer f;
   f("width", frame.width);
   f("height", frame.height);
@@ -181,7 +181,7 @@ py::dict about(const HeldTime& held) {
   f("missing", quality.missing);
   f("has_objects", held.picture.has_objects());
   f("has_geometry", held.has_geometry());
-  f("mesh_names", meshes);
+  f.values["mesh_names"] = meshes;
   return f.values;
 }
 
