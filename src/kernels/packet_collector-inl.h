@@ -76,7 +76,7 @@ class PacketCollector {
       }
       UpdateLimits(entry);
       source.ForEachSpan(entry.node, entry.begin, entry.end,
-                         [&](const MovingBlock& block, const Span& span, uint32_t lanes) HWY_ATTR {
+                         [&](const MovingBlock& block, const Span& span, uint32_t lanes) KAIROS_INLINE {
                            counters.triangles += static_cast<uint64_t>(std::popcount(lanes));
                            PrepareTriangles(span, lanes, packet_, entry.begin, entry.end, visible_until, triangles_);
                            if (packet_.rays_per_register == kPacketLanes)

@@ -134,7 +134,7 @@ class Collector {
       }
       BlockHits<T> hits;
       source.ForEachSpan(entry.node, entry.begin, entry.end,
-                         [&](const MovingBlock& block, const Span& span, uint32_t lanes) HWY_ATTR {
+                         [&](const MovingBlock& block, const Span& span, uint32_t lanes) KAIROS_INLINE {
                            state_.counters.triangles += static_cast<uint64_t>(std::popcount(lanes));
                            TestBlock(span.key0, span.key1, lanes, frame_, visible_until, hits);
                            state_.counters.root_solves += 3 * static_cast<uint64_t>(std::popcount(hits.solved));

@@ -59,25 +59,43 @@ class ToScreen {
   FilmPlane plane_;
 };
 
-/// Bounds of the convex hull of `points` in front of the camera: a path between two keys stays inside the hull of its
-/// ends.
+/// The ends of a path between two keys, and where those in front of the camera are on screen.
 template <size_t N>
-ScreenBounds bounds_of_hull(const std::array<Vec3d, N>& points, const ToScreen& to_screen) {
-  ScreenBounds bounds;
-  for (const Vec3d& p : points)
-    if (to_screen.is_in_front(p)) bounds.include(to_screen(p));
-  for (const Vec3d& front : points) {
-    if (!to_screen.is_in_front(front)) continue;
-    for (const Vec3d& behind : points) {
-      if (to_screen.is_in_front(behind)) continue;
-      const double z = front.z * kNearShare, weight = (z - front.z) / (behind.z - front.z);
-      Vec3d cut = lerp(front, behind, weight);
-      cut.z = z;
-      bounds.include(to_screen(cut));
-    }
+struct PathEnds {
+  std::array<Vec3d, N> points;
+  std::array<Vec2d, N> screen;
+  bool all_in_front = true;
+
+  PathEnds(const std::array<Vec3d, N>& ends, const ToScreen& to_screen) : points(ends) {
+    for (size_t i = 0; i < N; ++i)
+      if (to_screen.is_in_front(points[i]))
+        screen[i] = to_screen(points[i]);
+      else
+        all_in_front = false;
   }
-  return bounds;
-}
+
+  /// Bounds of the ends' convex hull in front of the camera: a path stays inside of it.
+  ScreenBounds bounds(const ToScreen& to_screen) const {
+    ScreenBounds bounds;
+    if (all_in_front) {
+      for (const Vec2d& p : screen) bounds.include(p);
+      return bounds;
+    }
+    for (size_t i = 0; i < N; ++i) {
+      const Vec3d& front = points[i];
+      if (!to_screen.is_in_front(front)) continue;
+      bounds.include(screen[i]);
+      for (const Vec3d& behind : points) {
+        if (to_screen.is_in_front(behind)) continue;
+        const double z = front.z * kNearShare, weight = (z - front.z) / (behind.z - front.z);
+        Vec3d cut = lerp(front, behind, weight);
+        cut.z = z;
+        bounds.include(to_screen(cut));
+      }
+    }
+    return bounds;
+  }
+};
 
 /// The binary logarithm in units. Of the mantissa and the exponent apart: twice as far is kDepthUnits more, exactly.
 int64_t logarithm_of(double depth) {
@@ -271,24 +289,8 @@ void ScreenMotion::project(const Piece& piece, std::vector<TriangleOnScreen>& ou
   // `points`: the corners of something at the first key, then at the second.
   const auto add = [&](const auto& points) {
     const size_t corner_count = points.size() / 2;
-    double path = 0, nearest = INFINITY, farthest = 0;
-    Vec2d longest;  // of the paths on screen
-    for (size_t v = 0; v < corner_count; ++v) {
-      const Vec3d &first = points[v], &second = points[v + corner_count];
-      nearest = std::min({nearest, -first.z, -second.z});
-      farthest = std::max({farthest, std::abs(first.z), std::abs(second.z)});
-      if (!to_screen.is_in_front(first) || !to_screen.is_in_front(second)) {
-        path = kHighestSpeed;
-        longest = {};  // of no direction
-      } else {
-        const Vec2d a = to_screen(first), b = to_screen(second);
-        const double length = std::hypot(b.x - a.x, b.y - a.y);
-        if (length <= path) continue;
-        path = length;
-        longest = {b.x - a.x, b.y - a.y};
-      }
-    }
-    const ScreenBounds b = bounds_of_hull(points, to_screen);
+    const PathEnds ends(points, to_screen);
+    const ScreenBounds b = ends.bounds(to_screen);
     if (!(b.x0 <= b.x1)) return;
     TriangleOnScreen seen;
     seen.pixels = {static_cast<int>(std::clamp(std::floor(b.x0 - margin_), 0.0, width)),
@@ -296,13 +298,27 @@ void ScreenMotion::project(const Piece& piece, std::vector<TriangleOnScreen>& ou
                    static_cast<int>(std::clamp(std::floor(b.y0 - margin_), 0.0, height)),
                    static_cast<int>(std::clamp(std::floor(b.y1 + margin_) + 1, 0.0, height))};
     if (seen.pixels.x0 >= seen.pixels.x1 || seen.pixels.y0 >= seen.pixels.y1) return;
+    double length_2 = 0, nearest = INFINITY, farthest = 0;
+    Vec2d longest;  // of the paths on screen; of no direction where one passes the camera
+    for (size_t v = 0; v < corner_count; ++v) {
+      const double first = points[v].z, second = points[v + corner_count].z;
+      nearest = std::min({nearest, -first, -second});
+      farthest = std::max({farthest, std::abs(first), std::abs(second)});
+      if (!ends.all_in_front) continue;
+      const Vec2d &from = ends.screen[v], &to = ends.screen[v + corner_count];
+      const Vec2d way{to.x - from.x, to.y - from.y};
+      const double way_2 = way.x * way.x + way.y * way.y;
+      if (way_2 <= length_2) continue;
+      length_2 = way_2;
+      longest = way;
+    }
+    const double path = ends.all_in_front ? std::sqrt(length_2) : kHighestSpeed;
     seen.speed = std::llround(std::min(path / duration, kHighestSpeed) * kSpeedUnits);
     if (nearest > 0)
       seen.depth = logarithm_of(nearest);
     else
       seen.depth = farthest > 0 ? logarithm_of(farthest) - kBehind : kNearestDepth;
     // Of a line's direction, twice its angle is what can be added up: there and back are one direction.
-    const double length_2 = longest.x * longest.x + longest.y * longest.y;
     const double weight = length_2 > 0 ? std::min(path / duration, kHighestWeight) * kSpeedUnits : 0;
     const double share = length_2 > 0 ? weight / length_2 : 0;
     seen.along = std::llround(share * (longest.x * longest.x - longest.y * longest.y));
