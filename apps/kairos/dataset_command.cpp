@@ -192,7 +192,7 @@ class Dataset {
     const Vec3d zero;
     const Vec3d &linear = evaluates ? zero : v.linear, &angular = evaluates ? zero : v.angular;
     transforms_.push_back({{"file_path", "./" + file},
-                           {"transform_matrix", pose_matrix(shot, times.middle())},
+                           {"transform_matrix", camera_matrix(shot, times.middle(), CameraAxis::minus_z)},
                            {"camera_linear_velocity", {linear.x, linear.y, linear.z}},
                            {"camera_angular_velocity", {angular.x, angular.y, angular.z}}});
   }
@@ -232,13 +232,13 @@ class Dataset {
                                                                {"sharp_s", times.middle()},
                                                                {"sharp_first_s", times.first()}});
     if (shot != nullptr) {
-      of_frame["pose_start"] = pose_at(*shot, shot->shutter_open);
-      of_frame["pose_sharp"] = pose_at(*shot, times.middle());
-      of_frame["pose_end"] = pose_at(*shot, shot->shutter_close);
+      of_frame["pose_start"] = camera_pose(*shot, shot->shutter_open, CameraAxis::minus_z);
+      of_frame["pose_sharp"] = camera_pose(*shot, times.middle(), CameraAxis::minus_z);
+      of_frame["pose_end"] = camera_pose(*shot, shot->shutter_close, CameraAxis::minus_z);
     }
     of_frame["files"] = std::move(files);
     for (int line = 0; shot != nullptr && line < (rolling ? times.lines : 1); ++line) {
-      const auto pose = pose_at(*shot, times.middle_of(line));
+      const auto pose = camera_pose(*shot, times.middle_of(line), CameraAxis::minus_z);
       poses_ += fmt::format("{},{},{:.17g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", frame, line,
                             times.middle_of(line), pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], pose[6]);
     }

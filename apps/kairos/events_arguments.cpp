@@ -94,4 +94,27 @@ void add_event_file_options(CLI::App& app, EventFileOptions& file) {
   });
 }
 
+void add_event_folder_options(CLI::App& app, EventsArguments& arguments) {
+  EventFolderOptions& folder = arguments.folder;
+  CLI::Option* const layout =
+      app.add_option_function<std::string>(
+             "--layout",
+             [&arguments](const std::string& text) {
+               arguments.folder.layout = parse_choice<EventLayout>("--layout", text, kNames<EventLayout>);
+               arguments.has_layout = true;
+             },
+             "Make the first --output a folder, laid out as a data set: events, pictures, depth, flow, poses, lens")
+          ->type_name("rpg|dsec|evimo2|eventnerf");
+  const auto add = [&](const std::string& name, double& out, const std::string& help) {
+    add_real(app, name, help, name == "--frame-exposure" ? "S" : "HZ", [&out](double value) { out = value; });
+    app.get_option(name)->needs(layout);
+  };
+  add("--frame-rate", folder.frame_rate, "Pictures, and depth and flow with them, a second [20]");
+  add("--frame-exposure", folder.exposure,
+      "How long pictures are exposed, beside sharp ones; 0: sharp ones alone [0.01]");
+  add("--pose-rate", folder.pose_rate, "Poses of the camera a second [200]");
+  add_count(app, "--frame-samples", folder.samples, 1, 1 << 20, "Samples per pixel of pictures")->needs(layout);
+  app.add_flag("--frame-exr", folder.exr, "An EXR of linear colours beside every picture")->needs(layout);
+}
+
 }  // namespace kairos::cli

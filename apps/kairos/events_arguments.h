@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <kairos/event_file.h>
+#include <kairos/event_folder.h>
 #include <kairos/events.h>
 
 #include "arguments.h"
@@ -21,6 +22,8 @@ struct EventsArguments {
   EventOptions options;
   std::optional<double> from, to;  ///< unset: as long as the animation
   EventFileOptions file;
+  bool has_layout = false;    ///< the first of `outs` is a folder
+  EventFolderOptions folder;  ///< of it
   std::vector<std::string> outs;
   std::optional<Part> part;  ///< of the recording that is to be `outs`
   ProgressStyle progress = ProgressStyle::automatic;
@@ -29,5 +32,7 @@ struct EventsArguments {
 
 void add_event_sensor_options(CLI::App& app, EventSensor& sensor);
 void add_event_file_options(CLI::App& app, EventFileOptions& file);
+/// --layout, and what goes with it.
+void add_event_folder_options(CLI::App& app, EventsArguments& arguments);
 
 }  // namespace kairos::cli

@@ -1,7 +1,9 @@
 // kairos events: scene in, the stream of an event camera out.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
+#include <optional>
 
 #include <kairos/animations.h>
 #include <kairos/error.h>
@@ -23,10 +25,12 @@ namespace kairos::cli {
 
 namespace {
 
-/// Hands events to all files.
+/// Hands events to all files, and to the folder where there is one.
 class Files : public EventSink {
  public:
-  Files(const std::vector<std::string>& paths, int width, int height, const EventFileOptions& options) {
+  Files(const std::vector<std::string>& paths, int width, int height, const EventFileOptions& options,
+        EventFolder* folder)
+      : folder_(folder) {
     for (const std::string& path : paths) {
       // Each file takes of the options what it knows.
       EventFileOptions own = options;
@@ -37,9 +41,11 @@ class Files : public EventSink {
   }
   void add(std::span<const Event> events) override {
     for (const auto& file : files_) file->add(events);
+    if (folder_ != nullptr) folder_->add(events);
   }
   void add_labelled(std::span<const Event> events, std::span<const EventLabel> labels) override {
     for (const auto& file : files_) file->add_labelled(events, labels);
+    if (folder_ != nullptr) folder_->add_labelled(events, labels);
   }
   void finish() {
     for (const auto& file : files_) file->finish();
@@ -47,6 +53,7 @@ class Files : public EventSink {
 
  private:
   std::vector<std::unique_ptr<EventFileWriter>> files_;
+  EventFolder* folder_;
 };
 
 /// As long as the animation that plays, or else the second from 0 on.
@@ -97,18 +104,50 @@ void choose_part(const EventsArguments& arguments, EventOptions& options, std::v
   make_parts_folder(paths.front());
 }
 
+/// Does the work while a bar shows how far it is.
+void with_bar(const EventsArguments& arguments, const std::function<void(const Progress&)>& work) {
+  std::unique_ptr<ProgressBar> bar;
+  bool polling = false;
+  try {
+    work([&](double fraction) {
+      if (!polling) begin_polling();
+      polling = true;
+      if (!bar && (!arguments.quiet || arguments.progress == ProgressStyle::openjd))
+        bar = std::make_unique<ProgressBar>(0, arguments.progress);
+      if (bar) bar->update(fraction);
+      return !interrupted();
+    });
+    end_polling();
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::cancelled) throw;
+    throw Error(ErrorCode::cancelled, "", "interrupted");
+  }
+}
+
+/// What the folder's own file of events is told.
+EventFileOptions of_folder(const EventFileOptions& file, EventLayout layout) {
+  EventFileOptions own;
+  own.epoch = file.epoch;
+  own.duration = file.duration;
+  own.kinds = file.kinds && layout == EventLayout::eventnerf;
+  own.labels = file.labels && layout == EventLayout::eventnerf;
+  return own;
+}
+
 void run_events(const EventsArguments& arguments, const CLI::App& command, const std::string& command_line) {
   EventOptions options = arguments.options;
   options.shot = arguments.scene.shot;
   std::vector<std::string> paths = arguments.outs;
+  if (arguments.has_layout) paths.erase(paths.begin());  // the folder
   EventFileOptions file = arguments.file;
   file.labels = options.labels && (!arguments.part || paths.front().ends_with(".npz"));
   for (const std::string& path : paths)
     check_event_file(path, options.shot.width, options.shot.height, arguments.part ? file : EventFileOptions{});
   if (arguments.part) choose_part(arguments, options, paths);
   for (const std::string& path : paths) check_writable(path);
-  if (arguments.options.labels && std::none_of(arguments.outs.begin(), arguments.outs.end(),
-                                               [](const std::string& path) { return path.ends_with(".npz"); }))
+  const bool folder_has_labels = arguments.has_layout && arguments.folder.layout == EventLayout::eventnerf;
+  if (options.labels && !folder_has_labels &&
+      std::none_of(paths.begin(), paths.end(), [](const std::string& path) { return path.ends_with(".npz"); }))
     throw Error(ErrorCode::bad_usage, arguments.outs.front(), "holds no labels; let --labels write an .npz, too");
   const auto say = [&](const std::string& line) {
     if (!arguments.quiet) log(line);
@@ -128,27 +167,17 @@ void run_events(const EventsArguments& arguments, const CLI::App& command, const
   choose_times(arguments, *scene, options);
   file.duration = std::llround((options.to - options.from) * 1e9);
   file.kinds = options.labels || options.sensor.leak > 0 || options.sensor.shot_noise > 0;
-  Files files(paths, options.shot.width, options.shot.height, arguments.part ? event_part_options(file) : file);
-
-  std::unique_ptr<ProgressBar> bar;
-  bool polling = false;
+  std::optional<EventFolder> folder;
+  if (arguments.has_layout) {
+    EventFolderOptions of = arguments.folder;
+    of.file = of_folder(file, of.layout);
+    folder.emplace(arguments.outs.front(), of, *scene, options);
+  }
+  Files files(paths, options.shot.width, options.shot.height, arguments.part ? event_part_options(file) : file,
+              folder ? &*folder : nullptr);
   const Stopwatch recording;
   EventStats stats;
-  try {
-    stats = record_events(*scene, options, files, [&](double fraction) {
-      if (!polling) begin_polling();
-      polling = true;
-      if (!bar && (!arguments.quiet || arguments.progress == ProgressStyle::openjd))
-        bar = std::make_unique<ProgressBar>(0, arguments.progress);
-      if (bar) bar->update(fraction);
-      return !interrupted();
-    });
-    end_polling();
-  } catch (const Error& e) {
-    if (e.code() != ErrorCode::cancelled) throw;
-    throw Error(ErrorCode::cancelled, "", "interrupted");
-  }
-  bar.reset();
+  with_bar(arguments, [&](const Progress& progress) { stats = record_events(*scene, options, files, progress); });
   files.finish();
   for (const std::string& note : stats.notes) say("note: " + note);
   const double seconds = options.to - options.from;
@@ -161,6 +190,13 @@ void run_events(const EventsArguments& arguments, const CLI::App& command, const
   say(fmt::format("{} moving edges, {} changes without an edge that is known; {:.1f} s, {:.1f} s of processor time",
                   stats.edges, stats.steps, recording.seconds(), stats.cpu_seconds));
   say(error_text(options, stats));
+  if (folder) {
+    const Stopwatch rendering;
+    with_bar(arguments, [&](const Progress& progress) { folder->finish(progress); });
+    const std::string& path = arguments.outs.front();
+    write_event_notes(path + "/recording.json", options, stats, command_line);
+    say(fmt::format("wrote {}: pictures, depth, flow and poses in {:.1f} s", path, rendering.seconds()));
+  }
   for (const std::string& path : paths) {
     if (arguments.part)
       write_event_part_notes(path, options, stats, command_line, file, mark);
@@ -176,6 +212,7 @@ void add_record_options(CLI::App& command, EventsArguments& arguments) {
       .add_option("-o,--output", arguments.outs,
                   fmt::format("The file to write, one of {}; may be given several times", event_file_endings()))
       ->type_name("OUT");
+  add_event_folder_options(command, arguments);
   add_real(command, "--from",
            "Scene time at which the recording begins, in seconds (default: the animation's begin, or 0)", "S",
            [&arguments](double value) { arguments.from = value; });
@@ -228,6 +265,8 @@ void add_events_command(CLI::App& app, Action& chosen, const std::string& comman
     if (!command.get_subcommands().empty()) return;
     if (arguments->scene.paths.empty()) throw CLI::RequiredError("SCENE");
     if (arguments->outs.empty()) throw CLI::RequiredError("--output");
+    if (arguments->has_layout && arguments->part)
+      throw CLI::ValidationError("--part", "a recording in parts goes to one file, and not to a folder of --layout");
     arguments->scene.shot.textures = arguments->options.render.shading != ShadingKind::normal;
     arguments->scene.shot.strict = arguments->scene.load.strict;
     arguments->light.apply(command, arguments->options.render, arguments->scene.shot);

@@ -41,10 +41,19 @@ struct FlowOptions {
 /// Error(cancelled).
 KAIROS_API Image flow(const Shot& shot, const FlowOptions& options = {});
 
+/// How a PNG holds flow.
+enum class FlowCodes {
+  kitti,  ///< 16 bits, 64ths of a pixel
+  dsec,   ///< 16 bits, 128ths; what is farther than 256 pixels is marked as not valid
+};
 /// Writes flow by the path's extension: .flo (Middlebury's: unknown vectors are 1e10), .png (KITTI's: 16 bits, 64ths of
-/// a pixel; what is unknown, or farther than 512 pixels, is marked as not valid), .exr (all channels). Throws what
-/// write_image does, and Error(bad_usage) for an image without flow.
-KAIROS_API void write_flow(const Image& flow, const std::string& path);
+/// a pixel; what is unknown, or farther than 512 pixels, is marked as not valid; or others' `codes`), .exr (all
+/// channels). Throws what write_image does, and Error(bad_usage) for an image without flow.
+KAIROS_API void write_flow(const Image& flow, const std::string& path, FlowCodes codes = FlowCodes::kitti);
+
+/// A PNG of disparities as KITTI and DSEC have them, 16 bits, 256ths of a pixel: focal_baseline / depth, of the image's
+/// channel "depth.Z". 0: farther than can be said, or nearer. Throws what write_flow does.
+KAIROS_API void write_disparity(const Image& depth, double focal_baseline, const std::string& path);
 
 /// A PNG that is white where a point is not seen at the other instant (Sintel's occlusions), and black elsewhere.
 KAIROS_API void write_occlusion(const Image& flow, const std::string& path);

@@ -14,15 +14,21 @@ constexpr uint16_t kFirstDay = 0x21;  // 1 January 1980, the earliest there is: 
 
 }  // namespace
 
-std::string npy_header(const std::string& descr, uint64_t count, uint64_t width) {
-  const std::string shape =
-      width == 0 ? std::to_string(count) + "," : std::to_string(count / width) + ", " + std::to_string(width);
-  std::string text = "{'descr': " + descr + ", 'fortran_order': False, 'shape': (" + shape + "), }";
+std::string npy_header(const std::string& descr, std::span<const uint64_t> shape) {
+  std::string sizes;
+  for (const uint64_t size : shape) sizes += std::to_string(size) + (shape.size() == 1 ? "," : ", ");
+  if (shape.size() > 1) sizes.resize(sizes.size() - 2);
+  std::string text = "{'descr': " + descr + ", 'fortran_order': False, 'shape': (" + sizes + "), }";
   constexpr size_t kPreamble = 10;  // magic, version, length of the rest of the header
   text.resize(kNpyHeader - kPreamble - 1, ' ');
   text += '\n';
   const std::string length{static_cast<char>(text.size()), 0};
   return std::string("\x93NUMPY\x01\x00", 8) + length + text;
+}
+
+std::string npy_header(const std::string& descr, uint64_t count, uint64_t width) {
+  const uint64_t one[] = {count}, two[] = {width == 0 ? 0 : count / width, width};
+  return width == 0 ? npy_header(descr, one) : npy_header(descr, two);
 }
 
 void NpzFile::add(const std::string& name, uint64_t size, uint32_t crc,
@@ -36,6 +42,18 @@ void NpzFile::add(const std::string& name, uint64_t size, uint32_t crc,
   write();
   body(file_);
   members_.push_back({name, size, offset, crc});
+}
+
+void NpzFile::add_array(const std::string& name, const std::string& descr, std::span<const uint64_t> shape,
+                        std::span<const uint8_t> bytes) {
+  const std::string header = npy_header(descr, shape);
+  Crc32 crc;
+  crc.add(header.data(), header.size());
+  crc.add(bytes.data(), bytes.size());
+  add(name + ".npy", header.size() + bytes.size(), crc.value(), [&](AtomicFile& out) {
+    out.write(header.data(), header.size());
+    out.write(bytes.data(), bytes.size());
+  });
 }
 
 void NpzFile::finish() {
@@ -93,6 +111,27 @@ void NpzFile::put_sizes(uint64_t size, const uint64_t* offset) {
   put_little(bytes_, size);
   put_little(bytes_, size);
   if (offset != nullptr) put_little(bytes_, *offset);
+}
+
+NpyFile::NpyFile(const std::string& path, std::string descr, uint64_t width)
+    : file_(path), descr_(std::move(descr)), width_(width) {
+  write_header();
+}
+
+void NpyFile::write(std::span<const uint8_t> bytes, uint64_t items) {
+  file_.write(bytes.data(), bytes.size());
+  count_ += items;
+}
+
+void NpyFile::finish() {
+  file_.seek(0);
+  write_header();
+  file_.commit();
+}
+
+void NpyFile::write_header() {
+  const std::string header = npy_header(descr_, count_, width_);
+  file_.write(header.data(), header.size());
 }
 
 NpyColumn::NpyColumn(const std::string& path, std::string name, std::string descr, uint64_t width)

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -20,6 +21,8 @@ inline constexpr size_t kNpyHeader = 128;
 /// descr: as numpy writes it, such as '<i8' with its quotes. Of `count` items in one dimension, or, where there is a
 /// width, in as many rows of so many.
 std::string npy_header(const std::string& descr, uint64_t count, uint64_t width = 0);
+/// Of any shape; none: a single item.
+std::string npy_header(const std::string& descr, std::span<const uint64_t> shape);
 
 /// Written member by member, nothing compressed. All have 64-bit sizes.
 class NpzFile {
@@ -29,6 +32,9 @@ class NpzFile {
 
   /// body: writes the `size` bytes of which crc is the checksum.
   void add(const std::string& name, uint64_t size, uint32_t crc, const std::function<void(AtomicFile& out)>& body);
+  /// An array of any shape, whose items are `bytes`.
+  void add_array(const std::string& name, const std::string& descr, std::span<const uint64_t> shape,
+                 std::span<const uint8_t> bytes);
   void finish();
 
  private:
@@ -48,6 +54,33 @@ class NpzFile {
   std::vector<uint8_t> bytes_;
 };
 
+/// Appends the bytes of a number, whole or not.
+template <class Value>
+void put_item(std::vector<uint8_t>& bytes, Value value) {
+  if constexpr (std::is_floating_point_v<Value>)
+    put_little(bytes, std::bit_cast<std::conditional_t<sizeof(Value) == 4, uint32_t, uint64_t>>(value));
+  else
+    put_little(bytes, value);
+}
+
+/// A file of one array, whose length is known when it is complete.
+class NpyFile {
+ public:
+  /// descr, width: npy_header's. This and all else throws Error(io) when the file cannot be written.
+  NpyFile(const std::string& path, std::string descr, uint64_t width = 0);
+
+  /// `items` more, of which these are the bytes.
+  void write(std::span<const uint8_t> bytes, uint64_t items);
+  void finish();
+
+ private:
+  void write_header();
+
+  AtomicFile file_;
+  std::string descr_;
+  uint64_t width_, count_ = 0;
+};
+
 /// An array whose length is known when it is complete: until then it lies beside the archive.
 class NpyColumn {
  public:
@@ -57,10 +90,7 @@ class NpyColumn {
   /// Of the type that descr says.
   template <class Value>
   void put(Value value) {
-    if constexpr (std::is_floating_point_v<Value>)
-      put_little(bytes_, std::bit_cast<std::conditional_t<sizeof(Value) == 4, uint32_t, uint64_t>>(value));
-    else
-      put_little(bytes_, value);
+    put_item(bytes_, value);
     ++count_;
   }
   /// Puts what is in memory into the file beside the archive.

@@ -94,7 +94,7 @@ class NpzWriter : public EventFileWriter::Format {
 /// One array of events as Metavision has them, which can be mapped into memory.
 class NpyWriter : public EventFileWriter::Format {
  public:
-  explicit NpyWriter(const EventFilePlan& plan) : file_(plan.path) { write_header(); }
+  explicit NpyWriter(const EventFilePlan& plan) : file_(plan.path, kNpyEvents) {}
 
   void add(std::span<const Event> events) override {
     bytes_.clear();
@@ -105,24 +105,13 @@ class NpyWriter : public EventFileWriter::Format {
       put_little(bytes_, uint16_t{0});
       put_little(bytes_, microseconds(event.time));
     }
-    file_.write(bytes_.data(), bytes_.size());
-    count_ += events.size();
+    file_.write(bytes_, events.size());
   }
-  void finish() override {
-    file_.seek(0);
-    write_header();
-    file_.commit();
-  }
+  void finish() override { file_.finish(); }
 
  private:
-  void write_header() {
-    const std::string header = npy_header(kNpyEvents, count_);
-    file_.write(header.data(), header.size());
-  }
-
-  AtomicFile file_;
+  NpyFile file_;
   std::vector<uint8_t> bytes_;
-  uint64_t count_ = 0;
 };
 
 }  // namespace

@@ -17,8 +17,9 @@ struct PngText {
 /// names the picture in messages. Throw Error(io) for sizes that the format cannot have.
 std::vector<uint8_t> encode_png(std::span<const uint8_t> codes, int width, int height, int channels,
                                 const std::string& place, const std::vector<PngText>& texts = {});
-/// Red, green and blue of 16 bits each: codes of big-endian bytes.
-std::vector<uint8_t> encode_png16(std::span<const uint8_t> codes, int width, int height, const std::string& place);
+/// Codes of 16 bits each, as big-endian bytes.
+std::vector<uint8_t> encode_png16(std::span<const uint8_t> codes, int width, int height, int channels,
+                                  const std::string& place);
 /// quality: 1 to 100; above 90 colour is kept at full resolution.
 std::vector<uint8_t> encode_jpeg(std::span<const uint8_t> codes, int width, int height, int channels, int quality,
                                  const std::string& place);

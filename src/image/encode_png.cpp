@@ -106,9 +106,10 @@ std::vector<uint8_t> encode_png(std::span<const uint8_t> codes, int width, int h
   return encode(codes, width, height, 8, channels, place, texts);
 }
 
-std::vector<uint8_t> encode_png16(std::span<const uint8_t> codes, int width, int height, const std::string& place) {
-  check_code_count(codes, width, height, 6, place);  // bytes of a pixel
-  return encode(codes, width, height, 16, 3, place, {});
+std::vector<uint8_t> encode_png16(std::span<const uint8_t> codes, int width, int height, int channels,
+                                  const std::string& place) {
+  check_code_count(codes, width, height, 2 * channels, place);  // bytes of a pixel
+  return encode(codes, width, height, 16, channels, place, {});
 }
 
 }  // namespace kairos

@@ -1,4 +1,4 @@
-// Files of optical flow: Middlebury's .flo, and the PNGs of KITTI and Sintel.
+// Files of optical flow and disparity: Middlebury's .flo, and the PNGs of KITTI, DSEC and Sintel.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -17,8 +17,15 @@ namespace {
 
 constexpr float kFloTag = 202021.25f;  // whose bytes are "PIEH"
 constexpr float kFloUnknown = 1e10f;   // readers take what is above 1e9 for unknown
-// KITTI's codes: 64 a pixel, from -512 on.
-constexpr double kCodesPerPixel = 64, kCodeOfZero = 32768, kMostFlowCode = 65535;
+constexpr double kCodeOfZero = 32768, kMostCode16 = 65535;
+
+double codes_per_pixel(FlowCodes codes) { return codes == FlowCodes::dsec ? 128 : 64; }
+
+void add_big_endian(std::vector<uint8_t>& bytes, double code) {  // as PNG's numbers are
+  const auto number = static_cast<uint16_t>(code);
+  bytes.push_back(static_cast<uint8_t>(number >> 8));
+  bytes.push_back(static_cast<uint8_t>(number & 0xff));
+}
 
 struct FlowChannels {
   const std::vector<float>&u, &v, &state;
@@ -47,23 +54,19 @@ std::string flo_bytes(const Image& image, const FlowChannels& flow) {
   return bytes;
 }
 
-std::vector<uint8_t> kitti_bytes(const Image& image, const FlowChannels& flow, const std::string& path) {
+std::vector<uint8_t> png_bytes(const Image& image, const FlowChannels& flow, FlowCodes kind, const std::string& path) {
   std::vector<uint8_t> codes;
   codes.reserve(flow.u.size() * 6);
-  const auto add = [&](double code) {
-    const auto number = static_cast<uint16_t>(code);
-    codes.push_back(static_cast<uint8_t>(number >> 8));  // PNG's numbers are big endian
-    codes.push_back(static_cast<uint8_t>(number & 0xff));
-  };
+  const double per_pixel = codes_per_pixel(kind);
   for (size_t i = 0; i < flow.u.size(); ++i) {
-    const double u = std::round(static_cast<double>(flow.u[i]) * kCodesPerPixel) + kCodeOfZero,
-                 v = std::round(static_cast<double>(flow.v[i]) * kCodesPerPixel) + kCodeOfZero;
-    const bool valid = flow.known(i) && std::min(u, v) >= 0 && std::max(u, v) <= kMostFlowCode;
-    add(valid ? u : 0);
-    add(valid ? v : 0);
-    add(valid ? 1 : 0);
+    const double u = std::round(static_cast<double>(flow.u[i]) * per_pixel) + kCodeOfZero,
+                 v = std::round(static_cast<double>(flow.v[i]) * per_pixel) + kCodeOfZero;
+    const bool valid = flow.known(i) && std::min(u, v) >= 0 && std::max(u, v) <= kMostCode16;
+    add_big_endian(codes, valid ? u : 0);
+    add_big_endian(codes, valid ? v : 0);
+    add_big_endian(codes, valid ? 1 : 0);
   }
-  return encode_png16(codes, image.width, image.height, path);
+  return encode_png16(codes, image.width, image.height, 3, path);
 }
 
 std::string_view text_of(const std::vector<uint8_t>& bytes) {
@@ -82,12 +85,26 @@ void check_writable_flow(const std::string& path) {
   }
 }
 
-void write_flow(const Image& image, const std::string& path) {
+void write_flow(const Image& image, const std::string& path, FlowCodes codes) {
   check_writable_flow(path);
   const FlowChannels flow = channels_of(image);
   if (has_extension(path, ".flo")) return write_file(path, flo_bytes(image, flow));
-  if (has_extension(path, ".png")) return write_file(path, text_of(kitti_bytes(image, flow, path)));
+  if (has_extension(path, ".png")) return write_file(path, text_of(png_bytes(image, flow, codes, path)));
   write_image(image, path);
+}
+
+void write_disparity(const Image& image, double focal_baseline, const std::string& path) {
+  if (!has_extension(path, ".png")) throw Error(ErrorCode::bad_usage, path, "must end in .png");
+  const Channel* const depth = image.find("depth.Z");
+  if (depth == nullptr) throw Error(ErrorCode::bad_usage, path, "the image holds no depth");
+  constexpr double kPerPixel = 256;
+  std::vector<uint8_t> codes;
+  codes.reserve(depth->values.size() * 2);
+  for (const float z : depth->values) {
+    const double code = std::round(kPerPixel * focal_baseline / static_cast<double>(z));
+    add_big_endian(codes, code >= 0 && code <= kMostCode16 ? code : 0);
+  }
+  write_file(path, text_of(encode_png16(codes, image.width, image.height, 1, path)));
 }
 
 void write_occlusion(const Image& image, const std::string& path) {

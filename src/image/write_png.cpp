@@ -32,19 +32,20 @@ std::vector<PngText> texts_of(const Image& image) {
   return texts;
 }
 
-/// [pixel][channel]: red, green, blue, and alpha where there is one, by which colours are divided.
-std::vector<unsigned char> codes_of(const Image& image, const WriteOptions& options, size_t channels) {
+}  // namespace
+
+std::vector<uint8_t> screen_codes(const Image& image, const WriteOptions& options, size_t channels) {
   const Channel* const colour[3] = {image.find("R"), image.find("G"), image.find("B")};
   const Channel* const alphas = image.find("A");
-  std::vector<unsigned char> codes(static_cast<size_t>(image.width) * static_cast<size_t>(image.height) * channels);
+  std::vector<uint8_t> codes(static_cast<size_t>(image.width) * static_cast<size_t>(image.height) * channels);
   for (size_t pixel = 0; pixel * channels < codes.size(); ++pixel) {
-    unsigned char* const code = &codes[pixel * channels];
+    uint8_t* const code = &codes[pixel * channels];
     Vec3f linear;
     for (size_t i = 0; i < 3; ++i)
       if (colour[i] != nullptr) linear[static_cast<int>(i)] = colour[i]->values[pixel];
     if (alphas != nullptr) {
       const float alpha = alphas->values[pixel] > 0 ? std::min(alphas->values[pixel], 1.0f) : 0;
-      code[3] = static_cast<unsigned char>(std::lround(alpha * 255));
+      code[3] = static_cast<uint8_t>(std::lround(alpha * 255));
       linear = code[3] == 0 ? Vec3f{} : linear / alpha;
     }
     const Vec3f seen = seen_on_screen(linear, options.view, options.exposure);
@@ -53,14 +54,12 @@ std::vector<unsigned char> codes_of(const Image& image, const WriteOptions& opti
   return codes;
 }
 
-}  // namespace
-
 void write_png(const Image& image, const std::string& path, const WriteOptions& options) {
   const size_t pixels = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
   constexpr size_t kMostPixels = size_t{1} << 29;
   if (pixels > kMostPixels) throw Error(ErrorCode::io, path, "is too large for PNG; write EXR");
   const size_t channels = image.find("A") != nullptr ? 4 : 3;
-  const std::vector<unsigned char> bytes = codes_of(image, options, channels);
+  const std::vector<uint8_t> bytes = screen_codes(image, options, channels);
   const std::vector<uint8_t> encoded =
       encode_png(bytes, image.width, image.height, static_cast<int>(channels), path, texts_of(image));
   if (options.go_on && !options.go_on()) throw Error(ErrorCode::cancelled, path, "is not written: stopped");

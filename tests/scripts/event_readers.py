@@ -8,9 +8,11 @@ descriptions say.
 """
 
 import pathlib
+import struct
 import subprocess
 import sys
 import tempfile
+import zlib
 
 PACKAGES = ["numpy==2.4.6", "h5py==3.16.0", "aedat==2.3.0", "expelliarmus==1.1.12"]
 kairos, scene, build = sys.argv[1], sys.argv[2], pathlib.Path(sys.argv[3]).resolve()
@@ -150,3 +152,61 @@ with h5py.File(at("a.hdf5")) as file:
 body = pathlib.Path(at("a.aedat")).read_bytes().split(b"() 0\r\n")[1]
 address, stamps = numpy.frombuffer(body, ">u4").reshape(-1, 2).T
 same("AEDAT-2.0", stamps, 345 - (address >> 12 & 1023), 259 - (address >> 22 & 511), address >> 11 & 1)
+
+
+# Folders of data sets: the same moments, as each of them has them.
+def png16(path):
+    """[row, column, channel] of a PNG of 16 bits."""
+    data, at, packed = pathlib.Path(path).read_bytes(), 8, b""
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at:at + 8])
+        body, at = data[at + 8:at + 8 + size], at + 12 + size
+        if kind == b"IHDR":
+            width, height, bits, colours = struct.unpack(">IIBB", body[:10])
+        packed += body if kind == b"IDAT" else b""
+    channels = {0: 1, 2: 3}[colours]
+    assert bits == 16, bits
+    step, rows = 2 * channels, []
+    lines = numpy.frombuffer(zlib.decompress(packed), "u1").reshape(height, 1 + step * width).astype(int)
+    before = numpy.zeros(step * width, int)
+    for kind, *line in lines:
+        for i, code in enumerate(line):
+            left, up, corner = (line[i - step], before[i], before[i - step]) if i >= step else (0, before[i], 0)
+            paeth = min((left, up, corner), key=lambda value: abs(left + up - corner - value))
+            line[i] = (code + (0, left, up, (left + up) // 2, paeth)[kind]) % 256
+        before = numpy.array(line)
+        rows.append(before)
+    pairs = numpy.array(rows).reshape(height, width, channels, 2)
+    return pairs[..., 0] * 256 + pairs[..., 1]
+
+
+def folder_of(layout):
+    subprocess.run([kairos, "events", scene, "--layout", layout, "-o", at(layout), "--size", "48x36", "--from", "1", "--to", "1.1", "--shading", "flat", "--rays", "1",
+                    "--camera", "travelling", "--frame-samples", "1", "--epoch", "2", "--quiet"], check=True)
+    return pathlib.Path(at(layout))
+
+
+dsec, evimo2 = folder_of("dsec"), folder_of("evimo2")
+info = numpy.load(evimo2 / "dataset_info.npz", allow_pickle=True)
+frames, depths, flows = info["meta"].item()["frames"], numpy.load(evimo2 / "dataset_depth.npz"), numpy.load(evimo2 / "dataset_flow.npz")
+assert [frame["id"] for frame in frames] == [0, 1] and info["meta"].item()["meta"]["res_x"] == 48
+times = numpy.loadtxt(dsec / "disparity/timestamps.txt", dtype="int64")
+assert (times == [2005000, 2055000]).all() and [frame["ts"] for frame in frames] == [0.005, 0.055], times
+with h5py.File(dsec / "events/left/events.h5") as file, h5py.File(dsec / "events/left/rectify_map.h5") as lens:
+    assert file["t_offset"][()] == 2000000
+    wanted = file["events/t"][:], file["events/x"][:], file["events/y"][:], file["events/p"][:] == 1
+    assert lens["rectify_map"].shape == (36, 48, 2) and (lens["rectify_map"][20, 30] == [30, 20]).all()
+moments, (columns, rows) = numpy.load(evimo2 / "dataset_events_t.npy", mmap_mode="r"), numpy.load(evimo2 / "dataset_events_xy.npy").T
+t, x, y, on = wanted
+same("EVIMO2", numpy.floor(moments * 1e6 + 1e-4), columns, rows, numpy.load(evimo2 / "dataset_events_p.npy") == 1)
+assert (info["index"] == numpy.searchsorted(moments, info["discretization"] * numpy.arange(len(info["index"])))).all()
+for number in (0, 1):
+    depth, disparity = depths[f"depth_{number:010d}"] / 1000, png16(dsec / f"disparity/event/{number:06d}.png")[..., 0] / 256
+    near = depth > 0
+    assert near.mean() > 0.5 and numpy.abs(0.6 * info["K"][0, 0] / depth[near] - disparity[near]).max() < 0.1
+way, codes = flows["flow_0000000000"], png16(dsec / "flow/forward/000000.png")
+known = codes[..., 2] == 1
+assert known.mean() > 0.9 and numpy.abs((codes[..., :2] - 32768) / 128 - way)[known].max() < 0.005 and numpy.isnan(way[~known]).all()
+assert numpy.abs(way[known]).max() > 0.5 and len(numpy.loadtxt(dsec / "poses.txt")) == 21
+assert numpy.loadtxt(dsec / "flow/forward_timestamps.txt", delimiter=",", dtype="int64").tolist() == [2005000, 2055000]
+print("DSEC's and EVIMO2's folders agree")
