@@ -15,6 +15,7 @@
 #include <kairos/image.h>
 
 #include "cli.h"
+#include "needed_tools.h"
 
 namespace kairos {
 namespace {
@@ -132,7 +133,7 @@ TEST_F(CliTime, LayersAndDeepSamplesOfObjects) {
   ok(std::string(kRender) + "--shutter 0,10 --time colours.ktime");
   EXPECT_THAT(refusal("expose colours.ktime --quiet -o a.exr --aov depth", 1), HasSubstr("--time-planes objects"));
 
-  if (std::system("oiiotool --help > /dev/null 2>&1") != 0) GTEST_SKIP() << "needs oiiotool";
+  KAIROS_NEEDS(std::system("oiiotool --help > /dev/null 2>&1") == 0, "oiiotool");
   ok("expose all.ktime --quiet -o flat.exr --shutter 3f@2f");
   ok("expose all.ktime --quiet -o deep.exr --shutter 3f@2f --deep object");
   const auto oiiotool = [&](const std::string& arguments) {

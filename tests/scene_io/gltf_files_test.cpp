@@ -9,6 +9,7 @@
 #include <kairos/error.h>
 
 #include "data_folders.h"
+#include "needed_tools.h"
 #include "scene_io/gltf/gltf.h"
 
 namespace kairos {
@@ -95,7 +96,7 @@ TEST(GltfFiles, EveryThirdPartySceneLoads) {
 
 TEST(GltfFiles, MalformedFilesAreRefusedInOneLine) {
   const fs::path folder = "/usr/share/assimp/models/glTF2";
-  if (!fs::exists(folder)) GTEST_SKIP() << "the Debian package assimp-testmodels is not installed";
+  KAIROS_NEEDS(fs::exists(folder), "the package assimp-testmodels");
   const Tally tally = tally_of(folder);
   EXPECT_GT(tally.loaded, 25u);
   for (const char* name : {"RecursiveNodes.gltf", "sceneWrongType.gltf", "badArray.gltf", "badUint.gltf"})

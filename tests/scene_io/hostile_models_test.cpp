@@ -8,6 +8,7 @@
 #include <kairos/error.h>
 #include <kairos/scene.h>
 
+#include "needed_tools.h"
 #include "scene/scene.h"
 
 namespace kairos {
@@ -31,7 +32,7 @@ void evaluate(const SceneMesh& mesh) {
 
 void load_all(const std::vector<std::string>& extensions) {
   const std::filesystem::path root = "/usr/share/assimp/models";
-  if (!std::filesystem::exists(root)) GTEST_SKIP() << "the package assimp-testmodels is not installed";
+  KAIROS_NEEDS(std::filesystem::exists(root), "the package assimp-testmodels");
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(root))
     if (std::count(extensions.begin(), extensions.end(), entry.path().extension().string()) > 0)

@@ -15,11 +15,11 @@ TIMEOUT = 60  # seconds, for any one answer
 
 
 def find_chromium():
-    """The program; without one ends with status 77, or 1 if KAIROS_NEED_CHROMIUM is set."""
+    """The program; without one ends with status 77, or 1 if KAIROS_NEED_TOOLS is set."""
     program = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
     if program is None:
         print("no Chromium: the page was not looked at")
-        sys.exit(1 if os.environ.get("KAIROS_NEED_CHROMIUM") else 77)
+        sys.exit(1 if os.environ.get("KAIROS_NEED_TOOLS") else 77)
     return program
 
 

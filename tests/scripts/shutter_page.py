@@ -3,7 +3,7 @@
 Usage: shutter_page.py KAIROS SCENE [--screenshot FILE WIDTH HEIGHT]...
        shutter_page.py --page PAGE [--screenshot FILE WIDTH HEIGHT]...
 
-The second form only looks at a page that is there. Ends with status 77 when there is no Chromium, or 1 if KAIROS_NEED_CHROMIUM
+The second form only looks at a page that is there. Ends with status 77 when there is no Chromium, or 1 if KAIROS_NEED_TOOLS
 is set.
 """
 

@@ -5,7 +5,7 @@ Usage: study_page.py PAGE [--screenshot FILE WIDTH HEIGHT TOP]...
 A screenshot is of a window of that size in pixels, with the page scrolled down to TOP.
 
 Fails on any script error, on anything that the page's own #self-test finds wrong, in a wide and in a narrow window, and when a
-real mouse cannot drag the divider. Ends with status 77 when there is no Chromium, or 1 if KAIROS_NEED_CHROMIUM is set.
+real mouse cannot drag the divider. Ends with status 77 when there is no Chromium, or 1 if KAIROS_NEED_TOOLS is set.
 """
 
 import pathlib
