@@ -181,6 +181,7 @@ void print_time_file(const std::string& path, bool as_json) {
     json["frame_time"] = frame.frame_time;
     json["fps"] = frame.fps;
     json["bytes"] = file.info().bytes;
+    json["slabs"] = file.info().slabs;
     json["tiles"] = file.info().tiles;
     json["tiles_there"] = file.info().tiles_there;
     json["finished"] = file.info().finished;
@@ -199,6 +200,7 @@ void print_time_file(const std::string& path, bool as_json) {
              bytes / pixels, static_cast<double>(quality.pieces) / pixels);
   fmt::print("shutter {} to {} (scene time), the frame's time is {}, {} frames per second\n", frame.open, frame.close,
              frame.frame_time, frame.fps);
+  if (file.info().slabs > 1) fmt::print("in {} slabs of time, a frame each\n", file.info().slabs);
   fmt::print("{}\n", quality_text(quality));
   if (file.picture().has_objects())
     fmt::print("what each of {} meshes contributes, and how far away it is\n", frame.objects.size());

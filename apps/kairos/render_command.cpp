@@ -66,10 +66,11 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
       .add_option_function<std::string>(
           "--frames",
           [arguments](const std::string& text) { arguments->files.frames = parse_frames("--frames", text); },
-          "Render these frames, each as with --frame; names of files then have %04d. Those that are there are skipped")
+          "Render these frames, each as with --frame; names of files then have %04d. Those that are there are skipped. "
+          "With "
+          "--time: one file of all of their time")
       ->type_name("A-B")
-      ->excludes("--frame")
-      ->excludes("--time");
+      ->excludes("--frame");
   command
       .add_option_function<std::string>(
           "--part",
@@ -95,7 +96,12 @@ void add_render_command(CLI::App& app, Action& chosen, const std::string& comman
   command.callback([arguments, &chosen, &command] {
     choose_integrator(command, arguments->sampling.params);
     if (arguments->files.out.empty() && arguments->files.time.empty()) throw CLI::RequiredError("--output");
-    if (arguments->files.frames) {
+    if (arguments->files.frames && !arguments->files.time.empty()) {
+      for (const char* other : {"--output", "--stats-file", "--shutter", "--rolling", "--curve", "--interval-map"})
+        if (command.get_option(other)->count() > 0)
+          throw CLI::ValidationError(
+              other, "does not go with --time of several --frames, which holds all of their time: kairos expose");
+    } else if (arguments->files.frames) {
       FrameName::check("--output", arguments->files.out);
       if (!arguments->files.stats_file.empty()) FrameName::check("--stats-file", arguments->files.stats_file);
     }

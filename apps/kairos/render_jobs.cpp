@@ -31,23 +31,28 @@ bool is_time_there(const FrameJob& job, const std::string& mark) {
   constexpr int kSide = TimeFileWriter::kTileSide;
   const Crop band = pixels_of(job, {frame.left, frame.left + frame.width, frame.top, frame.top + frame.height});
   const auto tiles = [](int pixels) { return static_cast<uint64_t>((pixels + kSide - 1) / kSide); };
-  return file->info().tiles_there == tiles(band.x1 - band.x0) * tiles(band.y1 - band.y0);
+  return file->info().tiles_there ==
+         tiles(band.x1 - band.x0) * tiles(band.y1 - band.y0) * static_cast<uint64_t>(file->info().slabs);
 }
 
 }  // namespace
 
 std::vector<FrameJob> all_jobs(const RenderFiles& files, const ShotOptions& shot) {
   std::vector<FrameJob> jobs;
-  if (files.frames) {
+  if (files.frames && !files.time.empty()) {
+    FrameJob job{shot, files.frames->count(), "", "", files.time, {}};
+    job.shot.frame = files.frames->first;
+    jobs.push_back(std::move(job));
+  } else if (files.frames) {
     const FrameName out("--output", files.out);
     for (int frame = files.frames->first; frame <= files.frames->last; ++frame) {
-      FrameJob job{shot, out.at(frame), "", "", {}};
+      FrameJob job{shot, 0, out.at(frame), "", "", {}};
       if (!files.stats_file.empty()) job.stats_file = FrameName("--stats-file", files.stats_file).at(frame);
       job.shot.frame = frame;
       jobs.push_back(std::move(job));
     }
   } else {
-    jobs.push_back({shot, files.out, files.stats_file, files.time, {}});
+    jobs.push_back({shot, 0, files.out, files.stats_file, files.time, {}});
   }
   if (!files.part) return jobs;
   const int64_t frames = static_cast<int64_t>(jobs.size()), pieces = (files.part->count + frames - 1) / frames;
@@ -56,7 +61,7 @@ std::vector<FrameJob> all_jobs(const RenderFiles& files, const ShotOptions& shot
   for (int64_t unit = units * files.part->index / files.part->count;
        unit < units * (files.part->index + 1) / files.part->count; ++unit) {
     const FrameJob& job = jobs[static_cast<size_t>(unit / pieces)];
-    const bool whole = pieces == 1 && files.frames;  // nothing to merge
+    const bool whole = pieces == 1 && files.frames && job.slabs == 0;  // nothing to merge
     chosen.push_back(whole ? job : part_of(job, {static_cast<int>(unit % pieces), static_cast<int>(pieces)}));
   }
   return chosen;

@@ -14,7 +14,7 @@ namespace kairos::cli {
 
 /// What render was told to write.
 struct RenderFiles {
-  std::string out, stats_file, time;  ///< names of files, or empty: with `frames`, of a sequence's
+  std::string out, stats_file, time;  ///< names of files, or empty: with `frames`, of a sequence's, but for `time`
   std::optional<FrameRange> frames;
   std::optional<Part> part;  ///< of the job
 };
@@ -22,6 +22,7 @@ struct RenderFiles {
 /// One picture of a sequence, or the only one.
 struct FrameJob {
   ShotOptions shot;
+  int slabs = 0;                      ///< above 0: `time` holds so many frames from the shot's on, all of their time
   std::string out, stats_file, time;  ///< names of files, or empty
   std::optional<Part> part;           ///< of the picture, which `out` and `time` are the files of
 };

@@ -74,10 +74,11 @@ std::string mark_of(const RenderArguments& arguments, const RenderFiles& out, co
   if (arguments.sampling.calibration != kDefaultCalibration) files.push_back(arguments.sampling.calibration);
   if (!arguments.sampling.exposure.map.empty()) files.push_back(arguments.sampling.exposure.map);
   if (arguments.light.environment) files.push_back(arguments.light.environment->path);
-  return frame_mark(*arguments.command,
-                    {"SCENE", "--output", "--frames", "--stats-file", "--calibration", "--environment",
-                     "--interval-map", "--threads", "--quiet", "--time", "--part", "--checkpoint", "--progress"},
-                    files);
+  return frame_mark(
+      *arguments.command,
+      {"SCENE", "--output", out.time.empty() ? "--frames" : "--output", "--stats-file", "--calibration",
+       "--environment", "--interval-map", "--threads", "--quiet", "--time", "--part", "--checkpoint", "--progress"},
+      files);
 }
 
 /// Before the scene is loaded, which may take long: can all that is to be written be written?
@@ -109,9 +110,23 @@ void leave_what_is_there(const RenderArguments& arguments, const RenderFiles& fi
         fmt::format("{} of {} {} are there already", count - jobs.size(), count, files.part ? "parts" : "frames"));
 }
 
+ExposedShot exposed_of(const RenderArguments& arguments, const FrameJob& job, const Scene& scene) {
+  SceneArguments of_job = arguments.scene;
+  of_job.shot = job.shot;
+  if (job.slabs > 0) of_job.shutter = ShutterInterval{{0, false}, {static_cast<double>(job.slabs), false}, {}};
+  return exposed_shot(of_job, arguments.sampling.exposure, scene);
+}
+
+Shot shot_of(const RenderArguments& arguments, const Scene& scene, const ShotOptions& options) {
+  Shot shot = make_shot(scene, options);
+  arguments.light.background.apply(shot);
+  return shot;
+}
+
 /// What is made of the scene for a frame, and kept for its other parts.
 struct Frame {
   std::optional<double> number;
+  int slabs;  ///< FrameJob::slabs
   ExposedShot exposed;
   Shot shot;
   RenderParams params;  ///< of the whole
@@ -120,24 +135,13 @@ struct Frame {
 
   Frame(const RenderArguments& arguments, const FrameJob& job, const Scene& scene, const Stopwatch& making)
       : number(job.shot.frame),
+        slabs(job.slabs),
         exposed(exposed_of(arguments, job, scene)),
         shot(shot_of(arguments, scene, exposed.options)),
         params(arguments.sampling.params),
         renderer(shot) {
     params.exposure = exposed.exposure(shot);
     seconds = making.seconds();
-  }
-
- private:
-  static ExposedShot exposed_of(const RenderArguments& arguments, const FrameJob& job, const Scene& scene) {
-    SceneArguments of_job = arguments.scene;
-    of_job.shot = job.shot;
-    return exposed_shot(of_job, arguments.sampling.exposure, scene);
-  }
-  static Shot shot_of(const RenderArguments& arguments, const Scene& scene, const ShotOptions& options) {
-    Shot shot = make_shot(scene, options);
-    arguments.light.background.apply(shot);
-    return shot;
   }
 };
 
@@ -153,6 +157,9 @@ class Rendering {
   void load(const RenderFiles& files);
   const Frame& frame_of(const FrameJob& job);
   void render(const RenderFiles& files, const FrameJob& job, Place place);
+  std::unique_ptr<TimeFileWriter> time_file(const Shot& shot, const ShotOptions& options, const FrameJob& job);
+  void render_slabs(const FrameJob& job);
+  void finish(TimeFileWriter& time, const FrameJob& job);
   void render_checkpointed(const Frame& frame, const FrameJob& job, Place place, const WriteOptions& write, int number);
 
   const RenderArguments& arguments_;
@@ -172,7 +179,7 @@ void Rendering::load(const RenderFiles& files) {
 }
 
 const Frame& Rendering::frame_of(const FrameJob& job) {
-  if (frame_ && frame_->number == job.shot.frame) return *frame_;
+  if (frame_ && frame_->number == job.shot.frame && frame_->slabs == job.slabs) return *frame_;
   frame_.reset();  // before there is another one
   frame_ = std::make_unique<Frame>(arguments_, job, *scene_, Stopwatch());
   const Shot& shot = frame_->shot;
@@ -198,7 +205,61 @@ void Rendering::render_checkpointed(const Frame& frame, const FrameJob& job, Pla
   remove_parts(merged.parts, job.out);
 }
 
+/// shot: of all of the file's time. A part holds some tiles of the whole.
+std::unique_ptr<TimeFileWriter> Rendering::time_file(const Shot& shot, const ShotOptions& shot_options,
+                                                     const FrameJob& job) {
+  TimeFileOptions options = arguments_.time_options;
+  options.clock = clock_of(shot_options, contents(*scene_));
+  options.mark = mark_;
+  options.slabs = std::max(1, job.slabs);
+  auto time = std::make_unique<TimeFileWriter>(job.time, shot, arguments_.sampling.params, options);
+  const auto is_cut_out = [](const Material& m) { return m.alpha_mode == Material::AlphaMode::mask; };
+  if (options.geometry && std::any_of(shot.materials.begin(), shot.materials.end(), is_cut_out))
+    say(arguments_, "note: the geometry of '" + job.time +
+                        "' has no cut-outs: flow takes surfaces as whole; kairos flow SCENE does not");
+  if (time->tiles_before() > 0)
+    say(arguments_,
+        fmt::format("{} of {} tiles are in '{}.part' already", time->tiles_before(), time->tiles(), job.time));
+  return time;
+}
+
+void Rendering::finish(TimeFileWriter& time, const FrameJob& job) {
+  if (job.part)
+    time.finish_part();
+  else
+    time.finish();
+  say(arguments_, job.part ? "wrote " + job.time : time_file_text(job.time));
+}
+
+/// A file of many frames: each is a slab of its time, and a shot of its own.
+void Rendering::render_slabs(const FrameJob& job) {
+  FrameJob of_slab = job;
+  of_slab.slabs = 1;
+  // Where everything is in all of the time; where that is not kept, the first frame says what the file is of.
+  const ShotOptions options = exposed_of(arguments_, arguments_.time_options.geometry ? job : of_slab, *scene_).options;
+  Shot all = shot_of(arguments_, *scene_, options);
+  all.shutter_close = all.shutter_open + job.slabs / clock_of(options, contents(*scene_)).fps;
+  const Crop frame_pixels{0, all.projection.width, 0, all.projection.height};
+  const std::unique_ptr<TimeFileWriter> time = time_file(all, options, job);
+  all = {};
+  for (int slab = 0; slab < job.slabs; ++slab) {
+    if (time->slab_is_there(slab)) continue;
+    of_slab.shot.frame = *job.shot.frame + slab;
+    const Frame& frame = frame_of(of_slab);
+    RenderParams params = frame.params;
+    if (job.part) params.crop = pixels_of(job, params.crop.value_or(frame_pixels));
+    time->begin_slab(slab);
+    PixelConsumer* const consumers[] = {time.get()};
+    with_progress(arguments_, {static_cast<size_t>(slab), static_cast<size_t>(job.slabs)},
+                  total_rays(params, frame.shot),
+                  [&](const Progress& progress) { frame_->renderer.render(params, consumers, nullptr, progress); });
+  }
+  frame_.reset();
+  finish(*time, job);
+}
+
 void Rendering::render(const RenderFiles& files, const FrameJob& job, Place place) {
+  if (job.slabs > 0) return render_slabs(job);
   const Frame& frame = frame_of(job);
   const Shot& shot = frame.shot;
   RenderParams params = frame.params;
@@ -212,27 +273,14 @@ void Rendering::render(const RenderFiles& files, const FrameJob& job, Place plac
 
   RenderStats stats;
   std::optional<Picture> picture;
-  std::optional<TimeFileWriter> time;
+  std::unique_ptr<TimeFileWriter> time;
   std::vector<PixelConsumer*> consumers;
   RenderParams of_rays = params;
   if (!job.out.empty()) consumers.push_back(&picture.emplace(shot.projection, params));
   if (!job.time.empty()) {
     of_rays.exposure.reset();  // rays look at all of the time that the file holds
-    const FrameClock clock = clock_of(frame.exposed.options, contents(*scene_));
-    RenderParams of_file = of_rays;  // a part holds some tiles of the whole
-    of_file.crop = whole;
-    TimeFileOptions options = arguments_.time_options;
-    options.clock = clock;
-    options.mark = mark_;
-    time.emplace(job.time, shot, of_file, options);
-    consumers.push_back(&*time);
-    const auto is_cut_out = [](const Material& m) { return m.alpha_mode == Material::AlphaMode::mask; };
-    if (options.geometry && std::any_of(shot.materials.begin(), shot.materials.end(), is_cut_out))
-      say(arguments_, "note: the geometry of '" + job.time +
-                          "' has no cut-outs: flow takes surfaces as whole; kairos flow SCENE does not");
-    if (time->tiles_before() > 0)
-      say(arguments_,
-          fmt::format("{} of {} tiles are in '{}.part' already", time->tiles_before(), time->tiles(), job.time));
+    time = time_file(shot, frame.exposed.options, job);
+    consumers.push_back(time.get());
   }
   with_progress(arguments_, place, total_rays(params, shot),
                 [&](const Progress& progress) { frame_->renderer.render(of_rays, consumers, &stats, progress); });
@@ -244,13 +292,7 @@ void Rendering::render(const RenderFiles& files, const FrameJob& job, Place plac
                                         : std::string("Embree")));
 
   const Stopwatch writing;
-  if (time && job.part) {
-    time->finish_part();
-    say(arguments_, "wrote " + job.time);
-  } else if (time) {
-    time->finish();
-    say(arguments_, time_file_text(job.time));
-  }
+  if (time) finish(*time, job);
   if (picture) {
     Image image = picture->take();
     describe(image, shot, params, stats);

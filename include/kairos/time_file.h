@@ -18,6 +18,9 @@ struct TimeFileOptions {
   std::string mark;
   bool objects = false;   ///< keep what each mesh contributes, and how far away it is: TimePicture::objects
   bool geometry = false;  ///< keep where everything is: TimeFile::shot
+  /// Into how many equal parts the shot's time is cut, each of which is recorded by itself, from a shot of its own
+  /// (TimeFileWriter::begin_slab), and within the tolerance of its own time: so may a file hold many frames.
+  int slabs = 1;
 };
 
 /// Writes what pixels show over time, tile by tile as they are complete, to PATH.part; finish() makes PATH of it. What
@@ -38,7 +41,14 @@ class KAIROS_API TimeFileWriter : public PixelConsumer {
   bool has(int x, int y) const override;
   void add(const PixelRecord& record) override;
 
-  size_t tiles() const;         ///< of the picture
+  /// From here on, records are those of shots of this slab, whose time is one of the equal parts of all of the time: at
+  /// the beginning, slab 0. Not while another one is being rendered. With the same seed, rays of all slabs are the
+  /// same.
+  void begin_slab(int slab);
+  /// Did an earlier writer leave all of it?
+  bool slab_is_there(int slab) const;
+
+  size_t tiles() const;         ///< of all slabs
   size_t tiles_before() const;  ///< of them, those that an earlier writer left
 
   /// Puts the tiles in order. Throws Error(io), and Error(bad_usage) where pixels are missing.
@@ -59,9 +69,10 @@ class KAIROS_API TimeFileWriter : public PixelConsumer {
 /// What a file says of itself.
 struct TimeFileInfo {
   uint64_t bytes = 0;
-  uint64_t tiles = 0, tiles_there = 0;
-  bool finished = true;  ///< false: a part, which rendering has not come to the end of
-  std::string mark;      ///< TimeFileOptions::mark
+  int slabs = 1;                        ///< TimeFileOptions::slabs
+  uint64_t tiles = 0, tiles_there = 0;  ///< of all slabs
+  bool finished = true;                 ///< false: a part, which rendering has not come to the end of
+  std::string mark;                     ///< TimeFileOptions::mark
 };
 
 /// Reads such a file, or the part of one. Tiles are read when they are first needed, and kept.

@@ -25,13 +25,15 @@ float nearest_of(const DepthPieces& depth, size_t function, double begin, double
 
 /// A weight, and when it is not zero.
 struct ObjectScan {
-  explicit ObjectScan(const TimeWeight& weight) : scan(weight), begin(weight.begin()), end(weight.end()) {}
+  explicit ObjectScan(const TimeWeight& weight)
+      : scan(weight), begin(weight.points().front().time), end(weight.points().back().time) {}
 
   WeightScan scan;
   double begin, end;
 };
 
-/// make_pixel(crop) gives a function of (tile, number of the object in it, x, y) that returns its value and its depth.
+/// make_object(crop) gives when a tile matters, and a function of (tile, number of the object in it, x, y) that returns
+/// the object's value and its depth.
 template <class MakeObject>
 ExposedObjects find_objects(const TimeFrame& frame, TimeTiles& tiles, const ExposeOptions& options,
                             const MakeObject& make_object) {
@@ -40,11 +42,11 @@ ExposedObjects find_objects(const TimeFrame& frame, TimeTiles& tiles, const Expo
   const TileGrid grid{frame.width, frame.height};
   std::vector<ExposedObjects> of_tiles(grid.count());
   over_tiles(grid, options, [&](size_t number) {
-    const auto tile = tiles.objects(number);
+    const Crop crop = grid.pixels(number);
+    const auto [when, object] = make_object(crop);
+    const auto tile = tiles.objects(number, when);
     if (tile == nullptr) return;
     ExposedObjects& out = of_tiles[number];
-    const Crop crop = grid.pixels(number);
-    const auto object = make_object(crop);
     out.first.push_back(0);
     for (size_t pixel = 0; pixel < tile->pixels(); ++pixel) {
       const int across = crop.x1 - crop.x0, x = crop.x0 + static_cast<int>(pixel) % across,
@@ -77,20 +79,22 @@ bool TimePicture::has_objects() const { return tiles_->has_objects(); }
 
 ExposedObjects TimePicture::objects(const PixelWeights& weights, const ExposeOptions& options) const {
   return find_objects(frame_, *tiles_, options, [&](const Crop& crop) {
-    return [scans = ScansOfTile<ObjectScan>(weights, frame_, crop)](const ObjectTile& tile, size_t i, int x, int y) {
-      const ObjectScan& weight = scans.at(x, y);
+    ScansOfTile<ObjectScan> scans(weights, frame_, crop);
+    const TimeStretch when = scans.when();
+    return std::pair(when, [of_tile = std::move(scans)](const ObjectTile& tile, size_t i, int x, int y) {
+      const ObjectScan& weight = of_tile.at(x, y);
       return std::pair(weight.scan.integral(tile.signals, tile.signals.first[i], tile.signals.first[i + 1]),
                        nearest_of(tile.depth, i, weight.begin, weight.end));
-    };
+    });
   });
 }
 
 ExposedObjects TimePicture::objects_at(double time, const ExposeOptions& options) const {
   check_shutter_time(time);
   return find_objects(frame_, *tiles_, options, [&](const Crop&) {
-    return [time](const ObjectTile& tile, size_t i, int, int) {
+    return std::pair(TimeStretch{time, time}, [time](const ObjectTile& tile, size_t i, int, int) {
       return std::pair(value_at_time(tile.signals, i, time), nearest_of(tile.depth, i, time, time));
-    };
+    });
   });
 }
 

@@ -60,9 +60,16 @@ class ScansOfTile {
         varies_in_y_(weights.varies_in_y) {
     const int down = varies_in_y_ ? crop.y1 - crop.y0 : 1;
     for (int y = 0; y < down; ++y)
-      for (int x = 0; x < across_; ++x)
-        scans_.emplace_back(weights.at(frame.left + crop.x0 + x, frame.top + crop.y0 + y));
+      for (int x = 0; x < across_; ++x) {
+        const TimeWeight weight = weights.at(frame.left + crop.x0 + x, frame.top + crop.y0 + y);
+        const auto points = weight.points();
+        when_ = {std::min(when_.begin, points.front().time), std::max(when_.end, points.back().time)};
+        scans_.emplace_back(weight);
+      }
   }
+
+  /// Outside of which all of them are zero.
+  const TimeStretch& when() const { return when_; }
 
   /// x, y: in the picture.
   const Scan& at(int x, int y) const {
@@ -75,6 +82,7 @@ class ScansOfTile {
   int across_;
   bool varies_in_x_, varies_in_y_;
   std::vector<Scan> scans_;
+  TimeStretch when_{1, 0};
 };
 using TileScans = ScansOfTile<WeightScan>;
 

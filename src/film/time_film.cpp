@@ -14,8 +14,8 @@ class MemoryTiles : public TimeTiles {
     quality_.missing = static_cast<uint64_t>(grid.width) * static_cast<uint64_t>(grid.height);
   }
 
-  std::shared_ptr<const TimeTile> tile(size_t number) override { return tiles_[number]; }
-  std::shared_ptr<const ObjectTile> objects(size_t number) override { return objects_[number]; }
+  std::shared_ptr<const TimeTile> tile(size_t number, const TimeStretch&) override { return tiles_[number]; }
+  std::shared_ptr<const ObjectTile> objects(size_t number, const TimeStretch&) override { return objects_[number]; }
   bool has_objects() const override { return has_objects_; }
   TimeQuality quality() override { return quality_; }
 

@@ -21,16 +21,16 @@ Image empty_image(const TimeFrame& frame, bool coverage) {
 }
 
 /// Calls pixel(tile, number of the pixel in it, x, y) for every pixel of the picture that is there, tile by tile, and
-/// puts the four values that it returns into an image.
+/// puts the four values that it returns into an image. make_pixel(crop) gives when a tile matters, and that function.
 template <class MakePixel>
 Image develop(const TimeFrame& frame, TimeTiles& tiles, const ExposeOptions& options, const MakePixel& make_pixel) {
   Image image = empty_image(frame, options.coverage);
   const TileGrid grid{frame.width, frame.height};
   over_tiles(grid, options, [&](size_t number) {
-    const auto tile = tiles.tile(number);
-    if (tile == nullptr) return;
     const Crop crop = grid.pixels(number);
-    auto pixel = make_pixel(crop);
+    const auto [when, pixel] = make_pixel(crop);
+    const auto tile = tiles.tile(number, when);
+    if (tile == nullptr) return;
     size_t i = 0;
     for (int y = crop.y0; y < crop.y1; ++y)
       for (int x = crop.x0; x < crop.x1; ++x, ++i) {
@@ -65,9 +65,11 @@ TimeQuality TimePicture::quality() const { return tiles_->quality(); }
 
 Image TimePicture::expose(const PixelWeights& weights, const ExposeOptions& options) const {
   return develop(frame_, *tiles_, options, [&](const Crop& crop) {
-    return [scans = TileScans(weights, frame_, crop)](const TimeTile& tile, size_t i, int x, int y) {
-      return scans.at(x, y).integral(tile, tile.first[i], tile.first[i + 1]);
-    };
+    TileScans scans(weights, frame_, crop);
+    const TimeStretch when = scans.when();
+    return std::pair(when, [of_tile = std::move(scans)](const TimeTile& tile, size_t i, int x, int y) {
+      return of_tile.at(x, y).integral(tile, tile.first[i], tile.first[i + 1]);
+    });
   });
 }
 
@@ -78,7 +80,8 @@ Image TimePicture::expose(const TimeWeight& weight, const ExposeOptions& options
 Image TimePicture::at(double time, const ExposeOptions& options) const {
   check_shutter_time(time);
   return develop(frame_, *tiles_, options, [&](const Crop&) {
-    return [time](const TimeTile& tile, size_t i, int, int) { return value_at_time(tile, i, time); };
+    return std::pair(TimeStretch{time, time},
+                     [time](const TimeTile& tile, size_t i, int, int) { return value_at_time(tile, i, time); });
   });
 }
 
@@ -88,7 +91,7 @@ std::vector<TimePiece> TimePicture::signal(int x, int y) const {
     throw Error(ErrorCode::bad_usage, "", "pixel " + std::to_string(x) + "," + std::to_string(y) + " is not held");
   const TileGrid grid{frame_.width, frame_.height};
   std::vector<TimePiece> pieces;
-  const auto tile = tiles_->tile(grid.tile_of(column, row));
+  const auto tile = tiles_->tile(grid.tile_of(column, row), {});
   if (tile == nullptr) return pieces;
   const size_t pixel = grid.index(column, row);
   for (size_t i = tile->first[pixel]; i < tile->first[pixel + 1]; ++i) {

@@ -47,14 +47,19 @@ struct TileGrid {
   }
 };
 
+/// Of the picture's time, 0 to 1.
+struct TimeStretch {
+  double begin = 0, end = 1;
+};
+
 /// Hands out tiles, from any thread.
 class TimeTiles {
  public:
   virtual ~TimeTiles() = default;
-  /// Null where none of its pixels was rendered.
-  virtual std::shared_ptr<const TimeTile> tile(size_t number) = 0;
+  /// Null where none of its pixels was rendered. What it shows outside of the stretch may be left out, as black.
+  virtual std::shared_ptr<const TimeTile> tile(size_t number, const TimeStretch& when) = 0;
   /// Null also where meshes are not kept.
-  virtual std::shared_ptr<const ObjectTile> objects(size_t number) = 0;
+  virtual std::shared_ptr<const ObjectTile> objects(size_t number, const TimeStretch& when) = 0;
   virtual bool has_objects() const = 0;
   virtual TimeQuality quality() = 0;
 };

@@ -23,8 +23,8 @@ bool read_chunk(int file, const IndexEntry& entry, const TileGrid& grid, std::ve
   std::array<uint8_t, kChunkHeadBytes> bytes{};
   ChunkHead head;
   if (!read_at(file, entry.offset, bytes) || !parse_chunk_head(bytes, grid, head) || head.tile != entry.head.tile ||
-      head.plane != entry.head.plane || counts_of(head, grid) != counts_of(entry.head, grid) ||
-      head.packed_bytes != entry.head.packed_bytes)
+      head.plane != entry.head.plane || head.slab != entry.head.slab ||
+      counts_of(head, grid) != counts_of(entry.head, grid) || head.packed_bytes != entry.head.packed_bytes)
     return false;
   packed.resize(head.packed_bytes);
   return read_at(file, entry.offset + kChunkHeadBytes, packed) && chunk_checksum(bytes, packed) == head.checksum;
@@ -32,7 +32,7 @@ bool read_chunk(int file, const IndexEntry& entry, const TileGrid& grid, std::ve
 
 std::vector<IndexEntry> scan_chunks(int file, uint64_t offset, const TileGrid& grid) {
   std::vector<IndexEntry> entries;
-  std::set<std::pair<TimePlane, uint32_t>> known;
+  std::set<ChunkKey> known;
   struct stat status {};
   if (fstat(file, &status) != 0) return entries;
   const auto size = static_cast<uint64_t>(status.st_size);
@@ -43,7 +43,7 @@ std::vector<IndexEntry> scan_chunks(int file, uint64_t offset, const TileGrid& g
     if (!parse_chunk_head(bytes, grid, entry.head)) break;
     const uint64_t next = offset + aligned(kChunkHeadBytes + entry.head.packed_bytes);
     if (next > size || !read_chunk(file, entry, grid, packed)) break;
-    if (known.insert({entry.head.plane, entry.head.tile}).second) entries.push_back(entry);
+    if (known.insert(key_of(entry.head)).second) entries.push_back(entry);
     offset = next;
   }
   return entries;

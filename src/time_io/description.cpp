@@ -52,6 +52,8 @@ const char* fault(const FileDescription& d) {
   for (const double number : {f.open, f.close, f.frame_time, f.fps, f.pixel_aspect, d.tolerance})
     if (!std::isfinite(number)) return "numbers";
   if (f.open > f.close || !(f.fps > 0) || !(f.pixel_aspect > 0)) return "times";
+  const uint64_t tiles = TileGrid{f.width, f.height}.count();
+  if (d.slabs < 1 || d.slabs > kMostFileTiles / tiles || (d.slabs > 1 && !(f.open < f.close))) return "slabs";
   if (d.tolerance != 0 && !(d.tolerance >= kLeastTolerance && d.tolerance <= 1)) return "tolerance";
   return nullptr;
 }
@@ -65,6 +67,7 @@ std::string description_text(const FileDescription& description) {
   root["frame"] = {frame.frame_width, frame.frame_height};
   root["crop"] = {frame.left, frame.left + frame.width, frame.top, frame.top + frame.height};
   root["shutter_s"] = {frame.open, frame.close};
+  if (description.slabs > 1) root["slabs"] = description.slabs;
   root["frame_time_s"] = frame.frame_time;
   root["fps"] = frame.fps;
   root["pixel_aspect"] = frame.pixel_aspect;
@@ -73,7 +76,8 @@ std::string description_text(const FileDescription& description) {
   root["alpha"] = frame.alpha;
   root["view"] = to_string(frame.view);
   root["tolerance"] = description.tolerance;
-  root["tolerance_unit"] = "shutter time x max(1, mean of the channel)";
+  root["tolerance_unit"] = description.slabs > 1 ? "a slab's time x max(1, mean of the channel)"
+                                                 : "shutter time x max(1, mean of the channel)";
   root["mark"] = description.mark;
   if (description.objects) {
     root["objects"] = ordered_json::array();
@@ -111,6 +115,7 @@ FileDescription parse_description(const std::string& text, const std::string& pa
     frame.height = crop[3] - crop[2];
     frame.open = shutter[0];
     frame.close = shutter[1];
+    description.slabs = root.value("slabs", uint32_t{1});
     frame.frame_time = root.at("frame_time_s").get<double>();
     frame.fps = root.at("fps").get<double>();
     frame.pixel_aspect = root.at("pixel_aspect").get<double>();

@@ -46,7 +46,7 @@ void put_head(std::span<uint8_t> out, const ChunkHead& head) {
   put(out, 8, static_cast<uint16_t>(head.plane));
   put(out, 10, kZstd);
   put(out, 12, head.tile);
-  put(out, 16, uint32_t{0});  // slab
+  put(out, 16, head.slab);
   put(out, 20, head.pieces);
   put(out, 24, head.packed_bytes);
   put(out, 32, head.deviation.integral);
@@ -62,6 +62,7 @@ bool parse_shared(std::span<const uint8_t> bytes, const TileGrid& grid, ChunkHea
     return false;
   out.plane = static_cast<TimePlane>(plane);
   out.tile = get<uint32_t>(bytes, 12);
+  out.slab = get<uint32_t>(bytes, 16);
   out.pieces = get<uint32_t>(bytes, 20);
   out.packed_bytes = get<uint64_t>(bytes, 24);
   out.deviation = {get<float>(bytes, 32), get<float>(bytes, 36), get<uint32_t>(bytes, 40)};
@@ -69,7 +70,7 @@ bool parse_shared(std::span<const uint8_t> bytes, const TileGrid& grid, ChunkHea
   out.depth_pieces = get<uint32_t>(bytes, 48);
   if (!holds_objects(out.plane) && (out.objects != 0 || out.depth_pieces != 0)) return false;
   const uint64_t tiles = out.plane == TimePlane::geometry ? slices_of(kMostGeometryBytes) : grid.count();
-  if (get<uint16_t>(bytes, 10) != kZstd || out.tile >= tiles || get<uint32_t>(bytes, 16) != 0) return false;
+  if (get<uint16_t>(bytes, 10) != kZstd || out.tile >= tiles || out.slab >= kMostFileTiles) return false;
   const uint64_t raw = raw_tile_bytes(counts_of(out, grid), out.plane);
   return raw <= kMostTileBytes && out.packed_bytes <= 2 * kMostTileBytes &&
          raw <= kMostRatio * out.packed_bytes + kMostRatio && std::isfinite(out.deviation.integral) &&
@@ -125,10 +126,12 @@ std::vector<uint8_t> chunk_bytes(const ChunkHead& of, std::span<const uint8_t> p
 
 }  // namespace
 
-std::vector<uint8_t> chunk_bytes(const TimeTile& tile, uint32_t number, std::span<const uint8_t> packed) {
+std::vector<uint8_t> chunk_bytes(const TimeTile& tile, uint32_t slab, uint32_t number,
+                                 std::span<const uint8_t> packed) {
   ChunkHead head;
   head.plane = tile.exact() ? TimePlane::exact_colour : TimePlane::colour;
   head.tile = number;
+  head.slab = slab;
   head.pieces = static_cast<uint32_t>(tile.pieces());
   head.packed_bytes = packed.size();
   head.deviation = tile.deviation;
@@ -144,10 +147,12 @@ std::vector<uint8_t> slice_chunk_bytes(uint64_t bytes, uint32_t number, std::spa
   return chunk_bytes(head, packed);
 }
 
-std::vector<uint8_t> chunk_bytes(const ObjectTile& tile, bool exact, uint32_t number, std::span<const uint8_t> packed) {
+std::vector<uint8_t> chunk_bytes(const ObjectTile& tile, bool exact, uint32_t slab, uint32_t number,
+                                 std::span<const uint8_t> packed) {
   ChunkHead head;
   head.plane = exact ? TimePlane::exact_objects : TimePlane::objects;
   head.tile = number;
+  head.slab = slab;
   head.pieces = static_cast<uint32_t>(tile.signals.pieces());
   head.objects = static_cast<uint32_t>(tile.mesh.size());
   head.depth_pieces = static_cast<uint32_t>(tile.depth.begin.size());

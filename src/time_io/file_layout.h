@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <kairos/time_picture.h>
@@ -21,6 +22,7 @@ inline constexpr uint64_t kMostTextBytes = 1 << 24;  // of the description
 inline constexpr uint64_t kSliceBytes = 1 << 26;     // of geometry, before packing; the last one has fewer
 inline constexpr uint64_t kMostGeometryBytes = uint64_t{1} << 33;
 inline constexpr uint64_t kMostFilePixels = 1u << 28;  // of a picture
+inline constexpr uint64_t kMostFileTiles = 1u << 24;   // of all slabs
 
 inline uint64_t aligned(uint64_t size) { return (size + kAlignment - 1) / kAlignment * kAlignment; }
 
@@ -44,6 +46,7 @@ bool head_is_sound(std::span<const uint8_t, kFileHeadBytes> bytes, const std::st
 struct ChunkHead {
   TimePlane plane = TimePlane::colour;
   uint32_t tile = 0;  ///< or the slice's number
+  uint32_t slab = 0;  ///< which part of the time it is of; of geometry, 0
   uint32_t pieces = 0;
   uint32_t objects = 0, depth_pieces = 0;  ///< 0 where the plane holds none
   uint64_t packed_bytes = 0;
@@ -52,9 +55,10 @@ struct ChunkHead {
 };
 
 /// A chunk's head and what is packed, up to where the next chunk may begin.
-std::vector<uint8_t> chunk_bytes(const TimeTile& tile, uint32_t number, std::span<const uint8_t> packed);
+std::vector<uint8_t> chunk_bytes(const TimeTile& tile, uint32_t slab, uint32_t number, std::span<const uint8_t> packed);
 std::vector<uint8_t> slice_chunk_bytes(uint64_t bytes, uint32_t number, std::span<const uint8_t> packed);
-std::vector<uint8_t> chunk_bytes(const ObjectTile& tile, bool exact, uint32_t number, std::span<const uint8_t> packed);
+std::vector<uint8_t> chunk_bytes(const ObjectTile& tile, bool exact, uint32_t slab, uint32_t number,
+                                 std::span<const uint8_t> packed);
 /// How much the chunk of a picture with such tiles holds.
 inline TileCounts counts_of(const ChunkHead& head, const TileGrid& grid) {
   return {head.plane == TimePlane::geometry ? 0 : grid.pixel_count(head.tile), head.pieces, head.objects,
@@ -64,6 +68,10 @@ inline TileCounts counts_of(const ChunkHead& head, const TileGrid& grid) {
 bool parse_chunk_head(std::span<const uint8_t, kChunkHeadBytes> bytes, const TileGrid& grid, ChunkHead& out);
 /// Of the head, without the field itself, and of what is packed.
 uint32_t chunk_checksum(std::span<const uint8_t, kChunkHeadBytes> head, std::span<const uint8_t> packed);
+
+/// What there is one of. In order, they are those of a file.
+using ChunkKey = std::tuple<TimePlane, uint32_t, uint32_t>;
+inline ChunkKey key_of(const ChunkHead& head) { return {head.plane, head.slab, head.tile}; }
 
 struct IndexEntry {
   ChunkHead head;
@@ -79,7 +87,8 @@ inline uint64_t index_size(uint64_t chunks) { return aligned(kIndexHeadBytes + c
 /// JSON: what the picture is of.
 struct FileDescription {
   TimeFrame frame;
-  double tolerance = 0;
+  uint32_t slabs = 1;           ///< equal parts of the time, which were recorded one after the other
+  double tolerance = 0;         ///< in units of a slab's time
   bool objects = false;         ///< does it hold what each mesh contributes?
   uint64_t geometry_bytes = 0;  ///< of shot_bytes, in slices; 0: none are held
   std::string mark;

@@ -61,7 +61,7 @@ void merge_time_files(const std::vector<std::string>& parts, const std::string& 
   const FileDescription description = parse_description(text, parts.front());
   const TimeFrame& frame = description.frame;
   const TileGrid grid{frame.width, frame.height};
-  std::map<std::pair<TimePlane, uint32_t>, Place> places;
+  std::map<ChunkKey, Place> places;
   for (size_t part = 0; part < parts.size(); ++part) {
     const PartFile file(parts[part]);
     if (file.text() != text)
@@ -69,17 +69,17 @@ void merge_time_files(const std::vector<std::string>& parts, const std::string& 
                   "is part of another rendering than " + parts.front() +
                       ": scene files, options, kairos or instruction sets were others; remove those that are wrong");
     for (const IndexEntry& entry : scan_chunks(file.descriptor(), kFileHeadBytes + text.size(), grid)) {
-      const auto [known, is_new] =
-          places.insert({{entry.head.plane, entry.head.tile}, {entry.head, part, entry.offset}});
+      const auto [known, is_new] = places.insert({key_of(entry.head), {entry.head, part, entry.offset}});
       if (!is_new && entry.head.plane != TimePlane::geometry)  // which is in every part
         throw Error(ErrorCode::bad_input, parts[part],
                     "has pixels that " + parts[known->second.part] + " has, too; remove one of them");
     }
   }
   for (const TimePlane plane : planes_of(description))
-    for (uint32_t i = 0; i < grid.count(); ++i) {
-      if (places.contains({plane, i})) continue;
-      const Crop hole = grid.pixels(i);
+    for (uint64_t i = 0; i < grid.count() * description.slabs; ++i) {
+      const auto slab = static_cast<uint32_t>(i / grid.count()), tile = static_cast<uint32_t>(i % grid.count());
+      if (places.contains({plane, slab, tile})) continue;
+      const Crop hole = grid.pixels(tile);
       throw Error(ErrorCode::bad_input, path,
                   "no part holds the pixels " + std::to_string(hole.x0) + " to " + std::to_string(hole.x1 - 1) +
                       " of rows " + std::to_string(hole.y0) + " to " + std::to_string(hole.y1 - 1) +

@@ -12,6 +12,7 @@
 #include <kairos/error.h>
 #include <kairos/time_file.h>
 
+#include "film/join_tiles.h"
 #include "scene/cut_shot.h"
 #include "time_io/chunk_scan.h"
 #include "time_io/file_layout.h"
@@ -45,11 +46,11 @@ class TimeFile::Tiles : public TimeTiles {
         meshes_(description.frame.objects.size()),
         has_objects_(description.objects),
         geometry_bytes_(description.geometry_bytes),
-        entries_(grid.count()),
-        object_entries_(grid.count()),
-        tiles_(grid.count()) {
-    quality_.tolerance = description.tolerance;
-    quality_.missing = static_cast<uint64_t>(grid.width) * static_cast<uint64_t>(grid.height);
+        slabs_(description.slabs),
+        entries_(slabs_ * grid.count()),
+        object_entries_(slabs_ * grid.count()),
+        tiles_(slabs_ * grid.count()) {
+    std::vector<size_t> there(grid.count());  // [tile]: its slabs
     for (const IndexEntry& entry : entries) {
       if (entry.head.plane == TimePlane::geometry) {
         slices_.resize(std::max<size_t>(slices_.size(), entry.head.tile + 1));
@@ -57,16 +58,21 @@ class TimeFile::Tiles : public TimeTiles {
         continue;
       }
       if (holds_objects(entry.head.plane)) {
-        object_entries_[entry.head.tile] = entry;
+        object_entries_[place(entry.head.slab, entry.head.tile)] = entry;
         continue;
       }
-      entries_[entry.head.tile] = entry;
+      entries_[place(entry.head.slab, entry.head.tile)] = entry;
       TimeTile counted;  // without the pieces themselves
       counted.deviation = entry.head.deviation;
       add_to(quality_, counted);
       quality_.pieces += entry.head.pieces;
-      quality_.missing -= grid.pixel_count(entry.head.tile);
+      ++there[entry.head.tile];
     }
+    for (size_t tile = 0; tile < grid.count(); ++tile)
+      if (there[tile] < slabs_) quality_.missing += grid.pixel_count(tile);
+    // Of all of the time, in which every slab's integral is that of what was rendered.
+    quality_.tolerance = description.tolerance / static_cast<double>(slabs_);
+    quality_.deviation /= static_cast<double>(slabs_);
   }
   ~Tiles() override { close(file_); }
   Tiles(const Tiles&) = delete;
@@ -74,19 +80,8 @@ class TimeFile::Tiles : public TimeTiles {
 
   TimeQuality quality() override { return quality_; }
 
-  std::shared_ptr<const TimeTile> tile(size_t number) override {
-    if (entries_[number].offset == 0) return nullptr;
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      if (tiles_[number] != nullptr) return tiles_[number];
-    }
-    auto tile = std::make_shared<const TimeTile>(with_packer([&](TilePacker& packer) { return read(number, packer); }));
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (kept_ + tile->memory_bytes() <= kMostKeptBytes && tiles_[number] == nullptr) {
-      kept_ += tile->memory_bytes();
-      tiles_[number] = tile;
-    }
-    return tile;
+  std::shared_ptr<const TimeTile> tile(size_t number, const TimeStretch& when) override {
+    return of_slabs<TimeTile>(number, when, entries_, [&](size_t at) { return slab(at); });
   }
 
   bool has_objects() const override { return has_objects_; }
@@ -106,20 +101,55 @@ class TimeFile::Tiles : public TimeTiles {
   }
 
   /// Read anew each time: few exposures ask for them, and they take much memory.
-  std::shared_ptr<const ObjectTile> objects(size_t number) override {
-    const IndexEntry& entry = object_entries_[number];
-    if (entry.offset == 0) return nullptr;
-    return std::make_shared<const ObjectTile>(with_packer([&](TilePacker& packer) {
-      return packer.unpack_objects(packed_bytes(entry), counts_of(entry.head, grid_), entry.head.plane, meshes_,
-                                   place_of(entry));
-    }));
+  std::shared_ptr<const ObjectTile> objects(size_t number, const TimeStretch& when) override {
+    return of_slabs<ObjectTile>(number, when, object_entries_, [&](size_t at) {
+      const IndexEntry& entry = object_entries_[at];
+      return std::make_shared<const ObjectTile>(with_packer([&](TilePacker& packer) {
+        return packer.unpack_objects(packed_bytes(entry), counts_of(entry.head, grid_), entry.head.plane, meshes_,
+                                     place_of(entry));
+      }));
+    });
   }
 
  private:
-  TimeTile read(size_t number, TilePacker& packer) const {
-    const IndexEntry& entry = entries_[number];
-    TimeTile tile = packer.unpack(packed_bytes(entry), counts_of(entry.head, grid_), entry.head.plane, place_of(entry));
-    tile.deviation = entry.head.deviation;
+  size_t place(size_t slab, size_t tile) const { return slab * grid_.count() + tile; }
+
+  /// read(place): the tile of a slab that is there. Slabs in which it does not matter are not read.
+  template <class Tile, class Read>
+  std::shared_ptr<const Tile> of_slabs(size_t number, const TimeStretch& when, const std::vector<IndexEntry>& entries,
+                                       const Read& read) {
+    std::vector<std::shared_ptr<const Tile>> slabs(slabs_);
+    bool any = false;
+    for (size_t slab = 0; slab < slabs_; ++slab) {
+      const size_t at = place(slab, number);
+      if (entries[at].offset == 0) continue;
+      any = true;
+      const auto length = static_cast<double>(slabs_);
+      if (slabs_ == 1 ||
+          (static_cast<double>(slab) <= when.end * length && static_cast<double>(slab + 1) >= when.begin * length))
+        slabs[slab] = read(at);
+    }
+    if (!any || slabs_ == 1) return slabs[0];
+    return std::make_shared<const Tile>(join_slabs(slabs, grid_.pixel_count(number)));
+  }
+
+  std::shared_ptr<const TimeTile> slab(size_t at) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (tiles_[at] != nullptr) return tiles_[at];
+    }
+    const IndexEntry& entry = entries_[at];
+    auto tile = std::make_shared<const TimeTile>(with_packer([&](TilePacker& packer) {
+      TimeTile read =
+          packer.unpack(packed_bytes(entry), counts_of(entry.head, grid_), entry.head.plane, place_of(entry));
+      read.deviation = entry.head.deviation;
+      return read;
+    }));
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (kept_ + tile->memory_bytes() <= kMostKeptBytes && tiles_[at] == nullptr) {
+      kept_ += tile->memory_bytes();
+      tiles_[at] = tile;
+    }
     return tile;
   }
 
@@ -157,11 +187,12 @@ class TimeFile::Tiles : public TimeTiles {
   size_t meshes_;
   bool has_objects_;
   uint64_t geometry_bytes_;
-  std::vector<IndexEntry> entries_, object_entries_;  // [tile]; offset 0: not there
+  size_t slabs_;
+  std::vector<IndexEntry> entries_, object_entries_;  // [slab][tile]; offset 0: not there
   std::vector<IndexEntry> slices_;                    // of geometry; the same
   TimeQuality quality_;
-  std::mutex mutex_;  // of what follows
-  std::vector<std::shared_ptr<const TimeTile>> tiles_;
+  std::mutex mutex_;                                    // of what follows
+  std::vector<std::shared_ptr<const TimeTile>> tiles_;  // [slab][tile]
   std::vector<std::unique_ptr<TilePacker>> packers_;
   size_t kept_ = 0;  // bytes
 };
@@ -188,7 +219,8 @@ TimeFile TimeFile::open(const std::string& path) {
 
   TimeFileInfo info;
   info.bytes = size;
-  info.tiles = grid.count();
+  info.slabs = static_cast<int>(description.slabs);
+  info.tiles = grid.count() * description.slabs;
   info.finished = head.finished();
   info.mark = description.mark;
   std::vector<IndexEntry> entries;
@@ -203,22 +235,22 @@ TimeFile TimeFile::open(const std::string& path) {
   } else {
     entries = scan_chunks(file.file, kFileHeadBytes + text.size(), grid);
   }
-  std::set<std::pair<TimePlane, uint32_t>> known;
+  std::set<ChunkKey> known;
   for (const IndexEntry& entry : entries)
     if ((entry.head.plane == TimePlane::geometry ? entry.head.tile >= slices_of(description.geometry_bytes)
                                                  : is_exact(entry.head.plane) != (description.tolerance == 0)) ||
         (holds_objects(entry.head.plane) && !description.objects) ||
-        !known.insert({entry.head.plane, entry.head.tile}).second)
+        entry.head.slab >= (entry.head.plane == TimePlane::geometry ? 1 : description.slabs) ||
+        !known.insert(key_of(entry.head)).second)
       throw damaged("has tiles that do not belong together");
   if (head.finished() &&
-      entries.size() != grid.count() * planes_of(description).size() + slices_of(description.geometry_bytes))
+      entries.size() != info.tiles * planes_of(description).size() + slices_of(description.geometry_bytes))
     throw damaged("lacks tiles; render it again");
-  for (uint32_t tile = 0; tile < grid.count(); ++tile) {
-    const auto planes = planes_of(description);
+  const auto planes = planes_of(description);
+  for (uint64_t i = 0; i < info.tiles; ++i)
     info.tiles_there += std::all_of(planes.begin(), planes.end(), [&](TimePlane plane) {
-      return known.contains({plane, tile});
+      return known.contains({plane, static_cast<uint32_t>(i / grid.count()), static_cast<uint32_t>(i % grid.count())});
     });
-  }
   auto tiles = std::make_shared<Tiles>(file.release(), path, grid, description, entries);
   return {info, TimePicture(std::move(description.frame), tiles), tiles, path};
 }
@@ -257,9 +289,10 @@ Shot TimeFile::shot(double from, double to) const {
 void TimeFile::check() const {
   // Tiles are unpacked and looked at as they are read.
   const TimeFrame& frame = picture_.frame();
-  for (int y = 0; y < frame.height; y += kTimeTileSide)
-    for (int x = 0; x < frame.width; x += kTimeTileSide) picture_.signal(frame.left + x, frame.top + y);
-  if (picture_.has_objects()) picture_.objects_at(0);
+  for (size_t number = 0; number < TileGrid{frame.width, frame.height}.count(); ++number) {
+    tiles_->tile(number, {});
+    if (picture_.has_objects()) tiles_->objects(number, {});
+  }
   if (has_geometry()) parse_shot(tiles_->geometry(), frame.open, frame.close, path_);
 }
 

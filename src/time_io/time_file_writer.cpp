@@ -2,6 +2,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <map>
+#include <optional>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -75,31 +76,43 @@ class TimeFileWriter::File {
         part_path_(path + ".part"),
         text_(description_text(description)),
         grid_(grid),
-        exact_(description.tolerance == 0),
-        maker_(grid, description.frame.left, description.frame.top, description.tolerance, description.objects),
-        left_(description.frame.left),
-        top_(description.frame.top),
+        description_(std::move(description)),
         part_((check_writable(path), part_path_)) {
-    there_.resize(grid.count());
+    there_.resize(tiles());
+    begin_slab(0);
     begin();
     add_slices(geometry);
     before_ = static_cast<size_t>(std::count(there_.begin(), there_.end(), true));
   }
 
-  size_t tiles() const { return grid_.count(); }
+  size_t tiles() const { return grid_.count() * description_.slabs; }
   size_t tiles_before() const { return before_; }
-  bool has(int x, int y) const { return there_[grid_.tile_of(x - left_, y - top_)]; }
+  bool has(int x, int y) const {
+    return there_[place(slab_, grid_.tile_of(x - description_.frame.left, y - description_.frame.top))];
+  }
+
+  void begin_slab(uint32_t slab) {
+    slab_ = slab;
+    maker_.emplace(grid_, description_.frame.left, description_.frame.top, description_.tolerance,
+                   description_.objects);
+  }
+  bool slab_is_there(uint32_t slab) const {
+    const auto first = there_.begin() + static_cast<std::ptrdiff_t>(place(slab, 0));
+    return std::all_of(first, first + static_cast<std::ptrdiff_t>(grid_.count()), [](bool there) { return there; });
+  }
 
   void add(const PixelRecord& record) {
     if (has(record.x, record.y)) return;
     size_t number = 0;
-    const auto tile = maker_.add(record, number);
+    const auto tile = maker_->add(record, number);
     if (!tile) return;
     std::unique_ptr<TilePacker> packer = take_packer();
     const auto tile_number = static_cast<uint32_t>(number);
-    std::vector<std::vector<uint8_t>> chunks{chunk_bytes(tile->signals, tile_number, packer->pack(tile->signals))};
-    if (maker_.keeps_objects())
-      chunks.push_back(chunk_bytes(tile->objects, exact_, tile_number, packer->pack(tile->objects)));
+    std::vector<std::vector<uint8_t>> chunks{
+        chunk_bytes(tile->signals, slab_, tile_number, packer->pack(tile->signals))};
+    if (description_.objects)
+      chunks.push_back(
+          chunk_bytes(tile->objects, description_.tolerance == 0, slab_, tile_number, packer->pack(tile->objects)));
     const std::lock_guard<std::mutex> lock(mutex_);
     for (const std::vector<uint8_t>& bytes : chunks) append_chunk(bytes);
     packers_.push_back(std::move(packer));
@@ -149,10 +162,10 @@ class TimeFileWriter::File {
       end = entry.offset + aligned(kChunkHeadBytes + entry.head.packed_bytes);
     }
     part_.go_on_at(end);
-    std::vector<size_t> planes_there(grid_.count());
+    std::vector<size_t> planes_there(tiles());
     for (const auto& [key, entry] : entries_)
-      if (entry.head.plane != TimePlane::geometry) ++planes_there[entry.head.tile];
-    for (size_t tile = 0; tile < grid_.count(); ++tile) there_[tile] = planes_there[tile] == planes();
+      if (entry.head.plane != TimePlane::geometry) ++planes_there[place(entry.head.slab, entry.head.tile)];
+    for (size_t tile = 0; tile < tiles(); ++tile) there_[tile] = planes_there[tile] == planes();
   }
 
   void append_chunk(const std::vector<uint8_t>& bytes) {
@@ -166,15 +179,16 @@ class TimeFileWriter::File {
     slices_ = slices_of(geometry.size());
     TilePacker packer;
     for (uint32_t i = 0; i < slices_; ++i) {
-      if (entries_.contains({TimePlane::geometry, i})) continue;
+      if (entries_.contains({TimePlane::geometry, 0, i})) continue;
       const auto slice = geometry.subspan(i * kSliceBytes, std::min(kSliceBytes, geometry.size() - i * kSliceBytes));
       append_chunk(slice_chunk_bytes(slice.size(), i, packer.pack(slice)));
     }
   }
 
-  size_t planes() const { return maker_.keeps_objects() ? 2 : 1; }
+  size_t planes() const { return description_.objects ? 2 : 1; }
+  size_t place(uint32_t slab, size_t tile) const { return slab * grid_.count() + tile; }
   /// Of a tile of which some planes are there, and which is made once more, the first ones stay.
-  void add_entry(const IndexEntry& entry) { entries_.emplace(std::pair(entry.head.plane, entry.head.tile), entry); }
+  void add_entry(const IndexEntry& entry) { entries_.emplace(key_of(entry.head), entry); }
 
   std::unique_ptr<TilePacker> take_packer() {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -186,14 +200,14 @@ class TimeFileWriter::File {
 
   std::string path_, part_path_, text_;
   TileGrid grid_;
-  bool exact_;
-  TileMaker maker_;
-  int left_, top_;
+  FileDescription description_;
   GrowingFile part_;
-  std::vector<bool> there_;  // [tile]: from before
+  uint32_t slab_ = 0;               // whose records come
+  std::optional<TileMaker> maker_;  // of its tiles
+  std::vector<bool> there_;         // [slab][tile]: from before
   size_t before_ = 0, slices_ = 0;
-  std::mutex mutex_;                                              // of what follows, and of the part
-  std::map<std::pair<TimePlane, uint32_t>, IndexEntry> entries_;  // of tiles in the part
+  std::mutex mutex_;                        // of what follows, and of the part
+  std::map<ChunkKey, IndexEntry> entries_;  // of tiles in the part
   std::vector<std::unique_ptr<TilePacker>> packers_;
 };
 
@@ -205,19 +219,25 @@ TimeFileWriter::TimeFileWriter(const std::string& path, const Shot& shot, const 
   check_tolerance(options.tolerance);
   TimeFrame frame = time_frame(shot, params, options.clock, options.objects);
   const TileGrid grid{frame.width, frame.height};
+  if (options.slabs < 1 || static_cast<uint64_t>(options.slabs) > kMostFileTiles / grid.count())
+    throw Error(ErrorCode::bad_usage, path,
+                "cannot hold so many slabs of time: at most " + std::to_string(kMostFileTiles / grid.count()));
   const std::vector<uint8_t> geometry = options.geometry ? shot_bytes(shot) : std::vector<uint8_t>();
   if (geometry.size() > kMostGeometryBytes)
     throw Error(ErrorCode::bad_usage, path,
                 "would hold more than 8 GiB of geometry; leave it out of --time-planes, and take kairos flow SCENE");
-  file_ = std::make_unique<File>(
-      path, FileDescription{std::move(frame), options.tolerance, options.objects, geometry.size(), options.mark}, grid,
-      geometry);
+  file_ = std::make_unique<File>(path,
+                                 FileDescription{std::move(frame), static_cast<uint32_t>(options.slabs),
+                                                 options.tolerance, options.objects, geometry.size(), options.mark},
+                                 grid, geometry);
 }
 TimeFileWriter::~TimeFileWriter() = default;
 
 RecordNeeds TimeFileWriter::needs() const { return needs_; }
 bool TimeFileWriter::has(int x, int y) const { return file_->has(x, y); }
 void TimeFileWriter::add(const PixelRecord& record) { file_->add(record); }
+void TimeFileWriter::begin_slab(int slab) { file_->begin_slab(static_cast<uint32_t>(slab)); }
+bool TimeFileWriter::slab_is_there(int slab) const { return file_->slab_is_there(static_cast<uint32_t>(slab)); }
 size_t TimeFileWriter::tiles() const { return file_->tiles(); }
 size_t TimeFileWriter::tiles_before() const { return file_->tiles_before(); }
 void TimeFileWriter::finish() { file_->finish(); }

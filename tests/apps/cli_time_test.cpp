@@ -174,6 +174,36 @@ TEST_F(CliTime, FramesStacksAndInstants) {
   EXPECT_LT(difference("still.exr", "instant.exr"), 1e-5);
 }
 
+// A file of several frames, each a slab of its time: exposures within a frame and across their borders are those of one
+// long recording, and the file goes on where it was left.
+TEST_F(CliTime, ManyFramesAreOneFile) {
+  const std::string sampled =
+      " --quiet --shading flat --tc-rays 8 --fps 10 --time-tolerance exact --time-planes geometry,objects ";
+  ok("render scene.json --frames 2-4 --time slabs.ktime" + sampled);
+  ok("render scene.json --frame 2 --shutter 0,3 --time whole.ktime" + sampled);
+  const auto same = [&](const std::string& options) {
+    for (const std::string name : {"slabs", "whole"})
+      ok("expose " + name + ".ktime -o " + name + ".exr --quiet " + options);
+    EXPECT_LT(difference("slabs.exr", "whole.exr"), 1e-4) << options;
+  };
+  same("");
+  same("--shutter 0.5,2.5 --curve triangle");
+  same("--shutter 0.3f@1.2f --aov depth,mesh,motion");
+  const Image slabs = image("slabs.exr"), whole = image("whole.exr");
+  for (const char* channel : {"mesh.id", "forward.u"})
+    for (size_t i = 0; i < 32 * 20; ++i)
+      ASSERT_NEAR(slabs.find(channel)->values[i], whole.find(channel)->values[i], 1e-3) << channel;
+  same("--shutter 1 --rolling top:0.2s");
+  ok("expose slabs.ktime --frames 2-4 -o f_%d.exr --quiet");
+  ok("expose whole.ktime --shutter 2,2.5 -o f.exr --quiet");
+  EXPECT_LT(difference("f_4.exr", "f.exr"), 1e-4);
+  const json info = json::parse(run("info slabs.ktime --json").out, nullptr, false);
+  EXPECT_EQ(info.at("slabs"), 3);
+
+  EXPECT_THAT(refusal("render scene.json --frames 2-4 --time no.ktime --shutter 0,2", 2), HasSubstr("--shutter"));
+  EXPECT_THAT(refusal("render scene.json --frames 2-4 --time no.ktime -o a.exr", 2), HasSubstr("kairos expose"));
+}
+
 TEST_F(CliTime, HasTheSameBytesForAnyNumberOfThreads) {
   const std::string render = std::string(kRender) + "--shutter 0,10 --size 100x70 ";
   ok(render + "--threads 1 --time one.ktime");

@@ -156,6 +156,92 @@ TEST_F(TimeFiles, HoldWhatAFilmHolds) {
   }
 }
 
+// Three slabs of time, each of which shows other things, are one picture: what each shows in its third of the time.
+TEST_F(TimeFiles, HoldSlabsOfTime) {
+  const uint32_t seed = test::seed();
+  for (const double tolerance : {0.0, 0x1p-10}) {
+    TimeFileOptions options{tolerance, {}, "", true};
+    options.slabs = 3;
+    const auto add_slab = [&](TimeFileWriter& writer, int slab) {
+      pixels_ = Pixels(seed + static_cast<uint32_t>(slab));
+      writer.begin_slab(slab);
+      add_pixels(writer, all);
+    };
+    {
+      TimeFileWriter writer(path_, shot_, params_, options);
+      EXPECT_EQ(writer.tiles(), 18u);
+      for (const int slab : {0, 1, 2}) add_slab(writer, slab);
+      writer.finish();
+    }
+    const std::string whole = bytes_of(path_);
+    std::vector<TimePicture> slabs;
+    for (const uint32_t slab : {0u, 1u, 2u}) {
+      pixels_ = Pixels(seed + slab);
+      slabs.push_back(in_memory(tolerance));
+    }
+    const TimeFile file = TimeFile::open(path_);
+    file.check();
+    EXPECT_EQ(file.info().slabs, 3);
+    const TimePicture& all_of_it = file.picture();
+    EXPECT_EQ(all_of_it.quality().tolerance, tolerance / 3);
+    EXPECT_EQ(all_of_it.quality().missing, 0u);
+    EXPECT_EQ(all_of_it.quality().pieces,
+              slabs[0].quality().pieces + slabs[1].quality().pieces + slabs[2].quality().pieces);
+    // A box over the end of the first, all of the second and the beginning of the third.
+    const auto near = [](const Image& a, const std::vector<std::pair<Image, double>>& parts) {
+      for (size_t c = 0; c < 3; ++c)
+        for (size_t i = 0; i < a.channels[c].values.size(); ++i) {
+          double sum = 0;
+          for (const auto& [image, share] : parts) sum += share * static_cast<double>(image.channels[c].values[i]);
+          ASSERT_NEAR(a.channels[c].values[i], sum, 1e-5);
+        }
+    };
+    const auto box = [](double begin, double end) {
+      return TimeWeight({{begin, 1 / (end - begin)}, {end, 1 / (end - begin)}});
+    };
+    near(all_of_it.expose(box(0.25, 0.75)), {{slabs[0].expose(box(0.75, 1)), 1 / 6.0},
+                                             {slabs[1].expose(), 2 / 3.0},
+                                             {slabs[2].expose(box(0, 0.25)), 1 / 6.0}});
+    near(all_of_it.expose(box(0.4, 0.5)), {{slabs[1].expose(box(0.2, 0.5)), 1.0}});
+    near(all_of_it.at(0.9), {{slabs[2].at(0.7), 1.0}});
+    const auto seen_in_all = all_of_it.objects({[&](int, int) { return box(0.4, 0.5); }});
+    const auto seen = slabs[1].objects({[&](int, int) { return box(0.2, 0.5); }});
+    ASSERT_EQ(seen_in_all.first, seen.first);
+    for (size_t i = 0; i < seen.seen.size(); ++i) {
+      EXPECT_EQ(seen_in_all.seen[i].mesh, seen.seen[i].mesh);
+      EXPECT_NEAR(seen_in_all.seen[i].coverage, seen.seen[i].coverage, 1e-5);
+      EXPECT_NEAR(seen_in_all.seen[i].depth, seen.seen[i].depth, 1e-3);
+    }
+    EXPECT_THAT(message(path_), "");
+
+    // Whatever ends a recording, the slabs that are there are kept.
+    {
+      TimeFileWriter writer(path_, shot_, params_, options);
+      add_slab(writer, 1);
+      writer.begin_slab(0);
+    }
+    const TimePicture part = TimeFile::open(path_ + ".part").picture();
+    near(part.expose(box(0.25, 0.75)), {{slabs[1].expose(), 2 / 3.0}});
+    EXPECT_EQ(part.quality().missing, size_t{65} * 37);
+    TimeFileWriter writer(path_, shot_, params_, options);
+    EXPECT_EQ(writer.tiles_before(), 6u);
+    EXPECT_FALSE(writer.slab_is_there(0));
+    EXPECT_TRUE(writer.slab_is_there(1));
+    for (const int slab : {2, 0}) add_slab(writer, slab);
+    writer.finish();
+    EXPECT_TRUE(bytes_of(path_) == whole);
+    // In parts, which are merged.
+    std::vector<std::string> parts;
+    for (const int slab : {0, 2, 1}) {
+      TimeFileWriter of_part(parts.emplace_back(folder_.path("part" + std::to_string(slab))), shot_, params_, options);
+      add_slab(of_part, slab);
+      of_part.finish_part();
+    }
+    merge_time_files(parts, path_);
+    EXPECT_TRUE(bytes_of(path_) == whole);
+  }
+}
+
 TEST_F(TimeFiles, GoOnWhereTheyWereLeft) {
   write();
   const std::string whole = bytes_of(path_);
