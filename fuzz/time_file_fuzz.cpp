@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <kairos/error.h>
+#include <kairos/object_layers.h>
 #include <kairos/time_file.h>
 
 #include "time_io/crc32c.h"
@@ -65,6 +66,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       for (const float value : image.channels[0].values)
         if (std::isnan(value) && opened.picture().quality().tolerance != 0) std::abort();
       opened.picture().at(1, options);
+      if (opened.has_rays()) {
+        kairos::deep_segments(image, opened, {[](int, int) { return kairos::TimeWeight({{0.25, 1}, {0.5, 1}}); }});
+      }
       if (opened.picture().has_objects())
         opened.picture().objects({[](int, int) { return kairos::TimeWeight({{0.25, 1}, {0.5, 1}}); }}, options);
     }

@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "log.h"
+#include "progress_bar.h"
 
 namespace kairos::cli {
 
@@ -28,12 +29,14 @@ void run_convert(const ConvertArguments& arguments) {
     cli::log(fmt::format("warning: {}: is not finished, {} of {} tiles are there; pixels of the others have no pieces",
                          arguments.file, file.info().tiles_there, file.info().tiles));
   begin_polling();
-  const auto progress = [](double) { return !interrupted(); };
+  WorkProgress work(arguments.quiet, 1);
+  const auto progress = work.of_piece();
   if (arguments.out.ends_with(".exr"))
     write_deep_image(deep_pieces(file.picture(), progress), arguments.out, [] { return !interrupted(); });
   else
     write_time_arrays(file.picture(), arguments.out, progress);
   end_polling();
+  work.next();
   if (!arguments.quiet)
     cli::log(fmt::format("wrote {}: {} pieces of {}x{} pixels", arguments.out, file.picture().quality().pieces,
                          file.picture().frame().width, file.picture().frame().height));

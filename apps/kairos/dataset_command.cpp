@@ -18,6 +18,7 @@
 #include "frames.h"
 #include "interrupt.h"
 #include "log.h"
+#include "progress_bar.h"
 #include "report.h"
 #include "time_arguments.h"
 #include "view_arguments.h"
@@ -44,7 +45,11 @@ bool rolls(const Shutter& shutter) { return shutter.open_line != 0 || shutter.cl
 class Dataset {
  public:
   Dataset(const DatasetArguments& arguments, DatasetSource& source)
-      : arguments_(arguments), source_(source), fps_(source.fps()) {
+      : arguments_(arguments),
+        source_(source),
+        fps_(source.fps()),
+        work_(arguments.quiet, static_cast<size_t>(arguments.frames.count())) {
+    source.progress = work_.of_piece();
     poses_ = "frame,line,time_s,qw,qx,qy,qz,x,y,z\n";
   }
 
@@ -120,6 +125,7 @@ class Dataset {
     if (*layout().flow != 0 && !last) write_flow_of(frame, times, files);
     if (source_.shot() != nullptr) tell_motion(frame, *source_.shot(), times, evaluates, files);
     tell(frame, times, std::move(files));
+    work_.next();
     if (!arguments_.quiet)
       cli::log(
           fmt::format("frame {}, {} of {}", frame, frame - arguments_.frames.first + 1, arguments_.frames.count()));
@@ -135,7 +141,7 @@ class Dataset {
       FlowOptions options;
       options.threads = arguments_.of_scene.scene.threads;
       options.instruction_set = arguments_.of_scene.sampling.params.instruction_set;
-      options.progress = [](double) { return !interrupted(); };
+      options.progress = source_.progress;
       options.times = [&](int x, int y) -> std::array<double, 2> {
         const TimeWeight line = lines.weight(x, y);
         return {(line.begin() + line.end()) / 2, to};
@@ -298,6 +304,7 @@ class Dataset {
   const DatasetArguments& arguments_;
   DatasetSource& source_;
   double fps_;
+  WorkProgress work_;
   ordered_json meta_, frames_ = ordered_json::array(), transforms_ = ordered_json::array();
   std::string poses_;
 };

@@ -2,7 +2,6 @@
 #include <kairos/time_file.h>
 
 #include "dataset_source.h"
-#include "interrupt.h"
 #include "time_arguments.h"
 
 namespace kairos::cli {
@@ -34,7 +33,7 @@ class FileSource : public DatasetSource {
   std::vector<Image> expose(std::span<const Shutter> shutters) override {
     ExposeOptions options;
     options.threads = threads_;
-    options.progress = [](double) { return !interrupted(); };
+    options.progress = progress;
     std::vector<Image> images;
     for (Shutter shutter : shutters) {  // whose times are from this frame, and not from the file's
       const double later = times_.frame_time - frame().frame_time;
@@ -51,7 +50,7 @@ class FileSource : public DatasetSource {
     check_recorded(path_, frame(), from, to);
     FlowOptions options;
     options.threads = threads_;
-    options.progress = [](double) { return !interrupted(); };
+    options.progress = progress;
     return file_.flow(from - frame().frame_time, to - frame().frame_time, options);
   }
 

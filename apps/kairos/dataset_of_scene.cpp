@@ -64,7 +64,7 @@ class SceneSource : public DatasetSource {
       consumers.push_back(&pictures.emplace_back(projection, params));
     }
     begin_polling();
-    Renderer(shot_).render(arguments_.sampling.params, consumers, nullptr, [](double) { return !interrupted(); });
+    Renderer(shot_).render(arguments_.sampling.params, consumers, nullptr, progress);
     end_polling();
     std::vector<Image> images;
     for (Picture& picture : pictures) images.push_back(picture.take());
@@ -79,7 +79,7 @@ class SceneSource : public DatasetSource {
     FlowOptions flow_options;
     flow_options.threads = arguments_.scene.threads;
     flow_options.instruction_set = arguments_.sampling.params.instruction_set;
-    flow_options.progress = [](double) { return !interrupted(); };
+    flow_options.progress = progress;
     return kairos::flow(make_shot(*scene_, options), flow_options);
   }
 

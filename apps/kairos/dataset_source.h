@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -51,6 +52,9 @@ class DatasetSource {
   virtual std::vector<Image> expose(std::span<const Shutter> shutters) = 0;
   /// From one scene time to a later one, where a shot is known.
   virtual Image flow(double from, double to) = 0;
+
+  /// What long work tells how far it is.
+  std::function<bool(double fraction)> progress;
 };
 
 /// How a scene is rendered.

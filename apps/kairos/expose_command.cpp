@@ -17,6 +17,8 @@
 #include "commands.h"
 #include "frames.h"
 #include "interrupt.h"
+#include "log.h"
+#include "progress_bar.h"
 #include "shutter_arguments.h"
 #include "time_arguments.h"
 #include "view_arguments.h"
@@ -39,14 +41,15 @@ struct ExposeArguments {
   int page_width = ShutterPageOptions().width;
   bool coverage = false, depth = false, mesh = false, motion = false;  ///< further layers
   std::vector<MatteKind> mattes;
-  bool deep = false, quiet = false;
+  enum class Deep { none, objects, segments } deep = Deep::none;
+  bool quiet = false;
 
-  bool needs_objects() const { return depth || mesh || deep || !mattes.empty(); }
+  bool needs_objects() const { return depth || mesh || deep == Deep::objects || !mattes.empty(); }
   int threads = 0;
 };
 
 void say(const ExposeArguments& arguments, const std::string& line) {
-  if (!arguments.quiet) fmt::print(stderr, "{}\n", line);
+  if (!arguments.quiet) cli::log(line);
 }
 
 /// A picture to make: of a shutter, or of an instant.
@@ -60,6 +63,7 @@ struct PictureJob {
 struct Exposed {
   Image image;
   ExposedObjects objects;  ///< empty where nobody needs them
+  PixelWeights weights;    ///< of an exposure
 };
 
 Exposed expose(const ExposeArguments& arguments, const TimePicture& picture, const PictureJob& job,
@@ -67,6 +71,7 @@ Exposed expose(const ExposeArguments& arguments, const TimePicture& picture, con
   const TimeFrame& frame = picture.frame();
   Image image;
   ExposedObjects objects;
+  PixelWeights weights;
   if (job.instant || frame.open == frame.close) {
     const double time = job.frame_time + job.instant.value_or(job.shutter.open);
     check_recorded(arguments.file, frame, time, time);
@@ -80,8 +85,9 @@ Exposed expose(const ExposeArguments& arguments, const TimePicture& picture, con
     check_recorded(arguments.file, frame, job.frame_time + whole.open, job.frame_time + whole.close);
     const Exposure exposure(job.shutter, job.frame_time, frame.frame_width, frame.frame_height, frame.open,
                             frame.close);
-    image = picture.expose(pixel_weights(exposure), options);
-    if (arguments.needs_objects()) objects = picture.objects(pixel_weights(exposure), options);
+    weights = pixel_weights(exposure);
+    image = picture.expose(weights, options);
+    if (arguments.needs_objects()) objects = picture.objects(weights, options);
     const std::string text = shutter_text(job.shutter, frame.frame_width, frame.frame_height);
     image.attributes.push_back({"kairos:exposed", text});
     image.attributes.push_back({"kairos:exposure", std::array<double, 2>{job.shutter.open, job.shutter.close}});
@@ -96,13 +102,14 @@ Exposed expose(const ExposeArguments& arguments, const TimePicture& picture, con
   if (arguments.depth) add_depth(image, objects);
   if (arguments.mesh) add_mesh_ids(image, objects);
   for (const MatteKind kind : arguments.mattes) add_cryptomatte(image, objects, frame, kind);
-  return {std::move(image), std::move(objects)};
+  return {std::move(image), std::move(objects), std::move(weights)};
 }
 
 /// Where the point that a pixel's centre shows in the middle of its exposure is at the exposure's end, and where it was
 /// at its beginning: channels "forward.u", "forward.v", "backward.u", "backward.v", as flow's. Lines of a rolling
 /// shutter have instants of their own.
-void add_motion(const ExposeArguments& arguments, const TimeFile& file, const PictureJob& job, Image& image) {
+void add_motion(const ExposeArguments& arguments, const TimeFile& file, const PictureJob& job,
+                const std::function<bool(double)>& progress, Image& image) {
   const TimeFrame& frame = file.picture().frame();
   const ExposureInterval whole = whole_interval(job.shutter, frame.frame_width, frame.frame_height);
   const auto recorded = [&](double time) { return std::clamp(job.frame_time + time, frame.open, frame.close); };
@@ -111,7 +118,7 @@ void add_motion(const ExposeArguments& arguments, const TimeFile& file, const Pi
                           shot.shutter_close);
   FlowOptions options;
   options.threads = arguments.threads;
-  options.progress = [](double) { return !interrupted(); };
+  options.progress = progress;
   for (const bool backward : {false, true}) {
     options.times = [&, backward](int x, int y) -> std::array<double, 2> {
       const TimeWeight weight = exposure.weight(x, y);
@@ -137,7 +144,8 @@ void write_page(const ExposeArguments& arguments, const TimePicture& picture) {
   options.file = std::filesystem::path(arguments.file).filename().string();
   options.width = arguments.page_width;
   options.threads = arguments.threads;
-  options.progress = [](double) { return !interrupted(); };
+  WorkProgress work(arguments.quiet, 1);
+  options.progress = work.of_piece();
   begin_polling();
   const std::string page = shutter_page(picture, options);
   end_polling();
@@ -190,6 +198,11 @@ void run_expose(const ExposeArguments& arguments) {
     throw Error(ErrorCode::bad_input, arguments.file,
                 "does not hold what each object contributes, which depth, mesh, --cryptomatte and --deep are made of; "
                 "render it again with --time-planes objects");
+  if (arguments.deep == ExposeArguments::Deep::segments && !file.has_rays())
+    throw Error(
+        ErrorCode::bad_input, arguments.file,
+        "does not hold what each ray sees, which --deep segments is made of; render it again with --time-planes "
+        "rays");
   if (arguments.motion && !file.has_geometry())
     throw Error(ErrorCode::bad_input, arguments.file,
                 "does not hold where things are, which motion is made of; render it again with --time-planes geometry");
@@ -200,20 +213,24 @@ void run_expose(const ExposeArguments& arguments) {
   ExposeOptions options;
   options.coverage = arguments.coverage;
   options.threads = arguments.threads;
-  options.progress = [](double) { return !interrupted(); };
+  WorkProgress work(arguments.quiet, jobs.size());
+  options.progress = work.of_piece();
   begin_polling();
   for (const PictureJob& job : jobs) {
     Exposed exposed = expose(arguments, picture, job, options);
-    if (arguments.motion) add_motion(arguments, file, job, exposed.image);
+    if (arguments.motion) add_motion(arguments, file, job, options.progress, exposed.image);
     WriteOptions write = arguments.write;
     write.view = arguments.view.choice.value_or(picture.frame().view);
     write.exposure = arguments.view.exposure;
-    if (arguments.deep)
-      write_deep_image(deep_objects(exposed.image, exposed.objects, picture.frame()), job.out,
-                       [] { return !interrupted(); });
+    const auto go_on = [] { return !interrupted(); };
+    if (arguments.deep == ExposeArguments::Deep::objects)
+      write_deep_image(deep_objects(exposed.image, exposed.objects, picture.frame()), job.out, go_on);
+    else if (arguments.deep == ExposeArguments::Deep::segments)
+      write_deep_image(deep_segments(exposed.image, file, exposed.weights, options.progress), job.out, go_on);
     else
       write_interruptibly(exposed.image, job.out, write);
     begin_polling();
+    work.next();
     say(arguments, "wrote " + job.out);
   }
   end_polling();
@@ -299,11 +316,13 @@ void add_expose_command(CLI::App& app, Action& chosen, const std::string& comman
       .add_option_function<std::string>(
           "--deep",
           [arguments](const std::string& text) {
-            if (text != "object") throw CLI::ValidationError("--deep", fmt::format("'{}' is not: object", text));
-            arguments->deep = true;
+            if (text != "object" && text != "segments")
+              throw CLI::ValidationError("--deep", fmt::format("'{}' is not one of: object, segments", text));
+            arguments->deep = text == "object" ? ExposeArguments::Deep::objects : ExposeArguments::Deep::segments;
           },
-          "Write deep EXR, a sample for each object in a pixel; composited, they are the exposure")
-      ->type_name("object")
+          "Write deep EXR, a sample for each object in a pixel, or for each segment that a ray sees; composited, they "
+          "are the exposure")
+      ->type_name("object|segments")
       ->excludes("--aov")
       ->excludes("--cryptomatte");
   add_view_options(command, arguments->view);
@@ -313,7 +332,10 @@ void add_expose_command(CLI::App& app, Action& chosen, const std::string& comman
   command.callback([arguments, &chosen, &command] {
     if (arguments->out.empty() && arguments->page.empty()) throw CLI::RequiredError("--output");
     check_view(command, arguments->out);
-    const bool layers = arguments->needs_objects() || arguments->coverage || arguments->motion;
+    if (arguments->deep == ExposeArguments::Deep::segments && arguments->at)
+      throw CLI::ValidationError("--deep", "segments are those of an exposure; give --shutter");
+    const bool layers = arguments->needs_objects() || arguments->deep != ExposeArguments::Deep::none ||
+                        arguments->coverage || arguments->motion;
     if (arguments->motion && arguments->at)
       throw CLI::ValidationError("--aov", "motion is that of an exposure; for instants there is kairos flow");
     if (layers && !arguments->out.ends_with(".exr"))

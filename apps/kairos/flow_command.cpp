@@ -12,6 +12,7 @@
 #include "frames.h"
 #include "interrupt.h"
 #include "log.h"
+#include "progress_bar.h"
 #include "time_arguments.h"
 
 namespace kairos::cli {
@@ -35,15 +36,16 @@ void add_time(CLI::App& app, const std::string& name, Duration& out, const std::
 
 /// make_flow(options): the flow between the two instants.
 template <class MakeFlow>
-void write_flow_of(const FlowArguments& arguments, const MakeFlow& make_flow, const std::string& out,
-                   const std::string& occlusion) {
+void write_flow_of(const FlowArguments& arguments, const MakeFlow& make_flow, WorkProgress& work,
+                   const std::string& out, const std::string& occlusion) {
   FlowOptions options;
   options.threads = arguments.scene.threads;
   options.instruction_set = arguments.instruction_set;
-  options.progress = [](double) { return !interrupted(); };
+  options.progress = work.of_piece();
   begin_polling();
   Image image = make_flow(options);
   end_polling();
+  work.next();
   image.attributes.push_back({"kairos:command_line", arguments.command_line});
   write_flow(image, out);
   if (!occlusion.empty()) write_occlusion(image, occlusion);
@@ -69,15 +71,16 @@ void flow_of_file(const FlowArguments& arguments) {
     throw Error(ErrorCode::bad_input, path,
                 "does not hold where things are; render it again with --time-planes geometry");
   const double fps = arguments.scene.shot.fps.value_or(frame.fps);
+  WorkProgress work(arguments.quiet, 1);
   const double from = arguments.from.in_seconds(fps), to = arguments.to.in_seconds(fps);
   check_recorded(path, frame, frame.frame_time + std::min(from, to), frame.frame_time + std::max(from, to));
   write_flow_of(
-      arguments, [&](const FlowOptions& options) { return file.flow(from, to, options); }, arguments.out,
+      arguments, [&](const FlowOptions& options) { return file.flow(from, to, options); }, work, arguments.out,
       arguments.occlusion);
 }
 
 /// Of the frame that `scene.shot` says.
-void write_frame(const FlowArguments& arguments, const Scene& scene, const ShotOptions& of_frame,
+void write_frame(const FlowArguments& arguments, const Scene& scene, const ShotOptions& of_frame, WorkProgress& work,
                  const std::string& out, const std::string& occlusion) {
   ShotOptions options = of_frame;
   const double fps = options.fps.value_or(contents(scene).fps);
@@ -91,7 +94,7 @@ void write_frame(const FlowArguments& arguments, const Scene& scene, const ShotO
         flow_options.backward = to < from;
         return flow(shot, flow_options);
       },
-      out, occlusion);
+      work, out, occlusion);
 }
 
 void run_flow(const FlowArguments& arguments) {
@@ -107,10 +110,11 @@ void run_flow(const FlowArguments& arguments) {
   const auto scene = load_scene(arguments.scene.paths, arguments.scene.load);
   if (!arguments.quiet)
     for (const std::string& warning : contents(*scene).warnings) cli::log("warning: " + warning);
+  WorkProgress work(arguments.quiet, static_cast<size_t>(frames.count()));
   for (int frame = frames.first; frame <= frames.last; ++frame) {
     ShotOptions options = arguments.scene.shot;
     if (arguments.frames) options.frame = frame;
-    write_frame(arguments, *scene, options, name("--output", arguments.out, frame),
+    write_frame(arguments, *scene, options, work, name("--output", arguments.out, frame),
                 name("--occlusion", arguments.occlusion, frame));
   }
 }

@@ -192,6 +192,7 @@ void print_time_file(const std::string& path, bool as_json) {
     json["clamped"] = quality.clamped;
     json["objects"] = frame.objects.size();
     json["geometry"] = file.has_geometry();
+    json["rays"] = file.has_rays();
     fmt::print("{}\n", json.dump(2));
     return;
   }
@@ -205,6 +206,7 @@ void print_time_file(const std::string& path, bool as_json) {
   if (file.picture().has_objects())
     fmt::print("what each of {} meshes contributes, and how far away it is\n", frame.objects.size());
   if (file.has_geometry()) fmt::print("where everything is, for kairos flow\n");
+  if (file.has_rays()) fmt::print("all that each ray sees, for deep segments\n");
   if (!file.info().finished)
     fmt::print("not finished: {} of {} tiles are there\n", file.info().tiles_there, file.info().tiles);
 }

@@ -11,6 +11,7 @@
 #include <kairos/printable.h>
 
 #include "arguments.h"
+#include "interrupt.h"
 #include "log.h"
 
 namespace kairos::cli {
@@ -55,7 +56,13 @@ ProgressBar::ProgressBar(double rays, ProgressStyle style, size_t done, size_t a
       terminal_(style == ProgressStyle::automatic && isatty(STDERR_FILENO) != 0),
       last_percent_(done == 0 ? -1 : static_cast<int>(done_ / all_ * 100)) {}
 
-ProgressBar::~ProgressBar() {
+ProgressBar::ProgressBar(double rays, std::chrono::steady_clock::time_point start) : ProgressBar(rays) {
+  start_ = start;
+}
+
+ProgressBar::~ProgressBar() { wipe(); }
+
+void ProgressBar::wipe() const {
   if (terminal_) draw("\r\x1b[K");
 }
 
@@ -91,6 +98,16 @@ void ProgressBar::update(double fraction) {
   const auto filled = static_cast<size_t>(std::lround(std::clamp(fraction, 0.0, 1.0) * kWidth));
   draw(fmt::format("\r[{}{}] {:3.0f} %  {}\x1b[K", std::string(filled, '#'), std::string(kWidth - filled, '.'),
                    std::floor(fraction * 100), rate_and_time_left(fraction)));
+}
+
+std::function<bool(double fraction)> WorkProgress::of_piece() {
+  return [this](double fraction) {
+    constexpr auto kShort = std::chrono::seconds(1);
+    shown_ = std::max(shown_, std::min(1.0, (done_ + fraction) / pieces_));
+    if (!quiet_ && !bar_ && std::chrono::steady_clock::now() - start_ > kShort) bar_.emplace(0.0, start_);
+    if (bar_) bar_->update(shown_);
+    return !interrupted();
+  };
 }
 
 }  // namespace kairos::cli

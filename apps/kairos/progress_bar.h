@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -26,7 +27,10 @@ class ProgressBar {
   /// rays: of what is told to update(), for the rate; 0: it is not told. done, all: that is one of so many, of which so
   /// many are done.
   explicit ProgressBar(double rays, ProgressStyle style = ProgressStyle::automatic, size_t done = 0, size_t all = 1);
-  /// Wipes the bar off the terminal.
+  /// Of work that began before.
+  ProgressBar(double rays, std::chrono::steady_clock::time_point start);
+  /// Wipes the bar off the terminal, until the next update: for lines that are to be said.
+  void wipe() const;
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
@@ -45,6 +49,28 @@ class ProgressBar {
   bool terminal_;
   int last_decile_ = 0, last_percent_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), drawn_{};
+};
+
+/// Of a number of pieces of work, such as the frames of a sequence, how far all of them are: shown once they take
+/// longer than a second.
+class WorkProgress {
+ public:
+  WorkProgress(bool quiet, size_t pieces) : quiet_(quiet), pieces_(static_cast<double>(pieces)) {}
+
+  /// A piece is done, and lines may be said.
+  void next() {
+    ++done_;
+    if (bar_) bar_->wipe();
+  }
+  /// What the piece's work is given as its `progress`, for as long as this lives: it stops when a signal has come.
+  /// Several rounds of work may be given it one after the other.
+  std::function<bool(double fraction)> of_piece();
+
+ private:
+  bool quiet_;
+  double pieces_, done_ = 0, shown_ = 0;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::optional<ProgressBar> bar_;
 };
 
 /// "8.3 M", "12 k": three digits and a unit.

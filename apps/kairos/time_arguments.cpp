@@ -90,14 +90,15 @@ void add_time_options(CLI::App& app, std::string& path, TimeFileOptions& out) {
          "--time-planes",
          [&out](const std::string& text) {
            for (const std::string_view plane : list_of(text)) {
-             if (plane != "objects" && plane != "geometry")
-               throw CLI::ValidationError("--time-planes", fmt::format("'{}' is not one of: objects, geometry", plane));
-             (plane == "objects" ? out.objects : out.geometry) = true;
+             if (plane != "objects" && plane != "geometry" && plane != "rays")
+               throw CLI::ValidationError("--time-planes",
+                                          fmt::format("'{}' is not one of: objects, geometry, rays", plane));
+             (plane == "objects" ? out.objects : plane == "rays" ? out.rays : out.geometry) = true;
            }
          },
          "What else the file holds: objects, what each mesh contributes to a pixel and how far away it is; geometry, "
-         "where everything is, for flow")
-      ->type_name("objects,geometry")
+         "where everything is, for flow; rays, all that each ray sees, without loss")
+      ->type_name("objects,geometry,rays")
       ->needs("--time");
 }
 

@@ -4,6 +4,7 @@
 #include <kairos/deep_image.h>
 #include <kairos/export.h>
 #include <kairos/image.h>
+#include <kairos/time_file.h>
 #include <kairos/time_picture.h>
 
 namespace kairos {
@@ -29,6 +30,13 @@ KAIROS_API void add_cryptomatte(Image& image, const ExposedObjects& objects, con
 /// pixel in which that is not there: alphas are such that samples composited "over" give the exposure, and distances
 /// ascend strictly. Channels "R", "G", "B", "A", "Z" and "id" (1 + index of the mesh; 0: background).
 KAIROS_API DeepImage deep_objects(const Image& image, const ExposedObjects& objects, const TimeFrame& frame);
+
+/// One sample for each segment that a ray of the pixel sees during the exposure: a triangle, for as long as it is the
+/// nearest thing. By the rule of deep_objects, with the same channels, and "time.begin" and "time.end": when, in parts
+/// of the recorded time. `image` is the exposure under `weights`. What control variates add is
+/// shared out. Throws what TimeFile::replay does.
+KAIROS_API DeepImage deep_segments(const Image& image, const TimeFile& file, const PixelWeights& weights,
+                                   const std::function<bool(double fraction)>& progress = {});
 
 /// What every pixel shows over time as deep samples, a piece each: "R", "G", "B" and "A" (coverage) at its beginning,
 /// "end.R", "end.G", "end.B" and "end.A" at its end; "Z", when it begins, and "ZBack", when it ends, in parts of the

@@ -1,6 +1,7 @@
 // Files that hold pictures over time (.ktime). docs/time.md describes their bytes.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@ struct TimeFileOptions {
   std::string mark;
   bool objects = false;   ///< keep what each mesh contributes, and how far away it is: TimePicture::objects
   bool geometry = false;  ///< keep where everything is: TimeFile::shot
+  bool rays = false;      ///< keep all that rays see, without loss: TimeFile::replay
   /// Into how many equal parts the shot's time is cut, each of which is recorded by itself, from a shot of its own
   /// (TimeFileWriter::begin_slab), and within the tolerance of its own time: so may a file hold many frames.
   int slabs = 1;
@@ -104,6 +106,13 @@ class KAIROS_API TimeFile {
   /// camera. Throws Error(bad_usage) where there is no geometry, and for times that are not in order or not recorded;
   /// Error(bad_input) where it is damaged.
   Shot shot(double from, double to) const;
+
+  bool has_rays() const;
+  /// Hands over the records of a slab (TimeFileOptions::slabs) as rendering handed them over, from one thread, tile by
+  /// tile: a Picture under any weight, or any other consumer, gets what it would have got then, but for normals and
+  /// albedo. Throws Error(bad_usage) where rays are not held, for another slab, and for a consumer that needs surfaces;
+  /// what `picture` throws; Error(cancelled) when `progress` says so.
+  void replay(PixelConsumer& consumer, int slab = 0, const std::function<bool(double fraction)>& progress = {}) const;
 
   /// Reads all of the file. Throws Error(bad_input) that names the first tile that is damaged.
   void check() const;

@@ -23,13 +23,16 @@ bool any_exact(std::span<const std::shared_ptr<const Tile>> slabs) {
   return std::any_of(slabs.begin(), slabs.end(), [](const auto& slab) { return slab && is_exact(*slab); });
 }
 
-/// Appends a slab's function, or one that is zero.
+/// Appends a slab's function, or one that is zero; several of these are one piece.
 class SignalJoiner {
  public:
   SignalJoiner(TimeTile& to, bool exact, size_t slabs) : to_(to), exact_(exact), slabs_(slabs) { to_.first = {0}; }
 
   void add(const TimeTile* from, size_t function, size_t slab) {
-    if (from == nullptr) {
+    const bool is_gap = from == nullptr, goes_on = is_gap && in_gap_;
+    in_gap_ = is_gap;
+    if (goes_on) return;
+    if (is_gap) {
       to_.begin.push_back(tick_in_all(0, slab, slabs_));
       if (exact_)
         add_zero(to_.floats);
@@ -44,7 +47,10 @@ class SignalJoiner {
     else
       add_values(to_.halves, from->halves, begin, end);
   }
-  void end_function() { to_.first.push_back(static_cast<uint32_t>(to_.begin.size())); }
+  void end_function() {
+    to_.first.push_back(static_cast<uint32_t>(to_.begin.size()));
+    in_gap_ = false;
+  }
 
  private:
   template <class Number>
@@ -59,13 +65,15 @@ class SignalJoiner {
   }
 
   TimeTile& to_;
-  bool exact_;
+  bool exact_, in_gap_ = false;
   size_t slabs_;
 };
 
 /// The same for distances, which are infinite where nothing is known.
 void add_depth(DepthPieces& to, const DepthPieces* from, size_t function, size_t slab, size_t slabs) {
   if (from == nullptr) {
+    const bool goes_on = to.begin.size() > to.first.back() && to.left.back() == std::numeric_limits<float>::infinity();
+    if (goes_on) return;
     to.begin.push_back(tick_in_all(0, slab, slabs));
     to.left.push_back(std::numeric_limits<float>::infinity());
     to.right.push_back(std::numeric_limits<float>::infinity());

@@ -51,6 +51,7 @@ void append_object(ObjectTile& to, const ObjectTile& from, size_t object) {
 
 void append_pixel(WholeTile& to, const WholeTile& from, size_t pixel) {
   append_signal(to.signals, from.signals, pixel);
+  if (from.records.pixels() > 0) to.records.add(from.records.record(pixel, 0, 0));
   if (from.objects.empty()) return;
   for (size_t object = from.objects.first[pixel]; object < from.objects.first[pixel + 1]; ++object)
     append_object(to.objects, from.objects, object);
@@ -60,6 +61,7 @@ void append_pixel(WholeTile& to, const WholeTile& from, size_t pixel) {
 /// Without pixels, and with room for what meshes contribute to them only where that is kept.
 void clear(WholeTile& tile, bool objects) {
   clear(tile.signals);
+  tile.records.clear();
   if (!objects) return;
   tile.objects.first.assign(1, 0);
   tile.objects.mesh.clear();
@@ -94,8 +96,8 @@ struct TileMaker::Workspace {
   WholeTile pixel;  // a single one
 };
 
-TileMaker::TileMaker(TileGrid grid, int left, int top, double tolerance, bool objects)
-    : grid_(grid), left_(left), top_(top), tolerance_(tolerance), objects_(objects), open_(grid.count()) {}
+TileMaker::TileMaker(TileGrid grid, int left, int top, double tolerance, bool objects, bool rays)
+    : grid_(grid), left_(left), top_(top), tolerance_(tolerance), objects_(objects), rays_(rays), open_(grid.count()) {}
 TileMaker::~TileMaker() = default;
 
 std::optional<WholeTile> TileMaker::add(const PixelRecord& record, size_t& number) {
@@ -122,6 +124,7 @@ std::optional<WholeTile> TileMaker::add(const PixelRecord& record, size_t& numbe
   const std::span<const SignalPiece> signal = work->signal.make(record);
   work->coder.add(signal, work->signal.shift(), work->pixel.signals);
   if (objects_) work->objects.add(record, work->pixel.objects);
+  if (rays_) work->pixel.records.add(record);
 
   bool complete = false;
   {

@@ -10,6 +10,7 @@
 
 #include "film/object_coder.h"
 #include "film/object_tile.h"
+#include "film/record_tile.h"
 #include "film/time_coder.h"
 #include "film/time_signal.h"
 #include "film/time_tile.h"
@@ -68,12 +69,13 @@ class TimeTiles {
 struct WholeTile {
   TimeTile signals;
   ObjectTile objects;  ///< empty where meshes are not kept
+  RecordTile records;  ///< empty where rays are not kept
 };
 
 /// Makes tiles of records, which come in any order and from any thread.
 class TileMaker {
  public:
-  TileMaker(TileGrid grid, int left, int top, double tolerance, bool objects);
+  TileMaker(TileGrid grid, int left, int top, double tolerance, bool objects, bool rays = false);
   ~TileMaker();
 
   const TileGrid& grid() const { return grid_; }
@@ -90,7 +92,7 @@ class TileMaker {
   TileGrid grid_;
   int left_, top_;  // of the picture in the frame
   double tolerance_;
-  bool objects_;
+  bool objects_, rays_;
   std::mutex mutex_;                         // of what follows, not of what it points to
   std::vector<std::unique_ptr<Open>> open_;  // [tile]
   std::vector<std::unique_ptr<Workspace>> idle_;

@@ -53,7 +53,8 @@ const char* fault(const FileDescription& d) {
     if (!std::isfinite(number)) return "numbers";
   if (f.open > f.close || !(f.fps > 0) || !(f.pixel_aspect > 0)) return "times";
   const uint64_t tiles = TileGrid{f.width, f.height}.count();
-  if (d.slabs < 1 || d.slabs > kMostFileTiles / tiles || (d.slabs > 1 && !(f.open < f.close))) return "slabs";
+  if (d.slabs < 1 || d.slabs > std::min(kMostSlabs, kMostFileTiles / tiles) || (d.slabs > 1 && !(f.open < f.close)))
+    return "slabs";
   if (d.tolerance != 0 && !(d.tolerance >= kLeastTolerance && d.tolerance <= 1)) return "tolerance";
   return nullptr;
 }
@@ -84,6 +85,10 @@ std::string description_text(const FileDescription& description) {
     for (const TimeFrame::Object& object : frame.objects)
       root["objects"].push_back({{"name", object.name}, {"material", object.material}});
     root["materials"] = frame.materials;
+  }
+  if (description.rays) {
+    root["rays"] = true;
+    root["meshes"] = description.meshes;
   }
   if (description.geometry_bytes > 0) root["geometry_bytes"] = description.geometry_bytes;
   root["attributes"] = ordered_json::object();
@@ -130,6 +135,8 @@ FileDescription parse_description(const std::string& text, const std::string& pa
         frame.objects.push_back({object.at("name").get<std::string>(), object.at("material").get<uint32_t>()});
       frame.materials = root.at("materials").get<std::vector<std::string>>();
     }
+    description.rays = root.value("rays", false);
+    description.meshes = root.value("meshes", uint64_t{0});
     description.geometry_bytes = root.value("geometry_bytes", uint64_t{0});
     if (description.geometry_bytes > kMostGeometryBytes) throw refuse("geometry");
     for (const auto& [name, value] : root.at("attributes").items()) {

@@ -58,8 +58,7 @@ void put_head(std::span<uint8_t> out, const ChunkHead& head) {
 
 bool parse_shared(std::span<const uint8_t> bytes, const TileGrid& grid, ChunkHead& out) {
   const auto plane = get<uint16_t>(bytes, 8);
-  if (plane < static_cast<uint16_t>(TimePlane::colour) || plane > static_cast<uint16_t>(TimePlane::geometry))
-    return false;
+  if (plane < static_cast<uint16_t>(TimePlane::colour) || plane > static_cast<uint16_t>(TimePlane::rays)) return false;
   out.plane = static_cast<TimePlane>(plane);
   out.tile = get<uint32_t>(bytes, 12);
   out.slab = get<uint32_t>(bytes, 16);
@@ -68,9 +67,10 @@ bool parse_shared(std::span<const uint8_t> bytes, const TileGrid& grid, ChunkHea
   out.deviation = {get<float>(bytes, 32), get<float>(bytes, 36), get<uint32_t>(bytes, 40)};
   out.objects = get<uint32_t>(bytes, 44);
   out.depth_pieces = get<uint32_t>(bytes, 48);
-  if (!holds_objects(out.plane) && (out.objects != 0 || out.depth_pieces != 0)) return false;
+  if (!holds_objects(out.plane) && out.plane != TimePlane::rays && (out.objects != 0 || out.depth_pieces != 0))
+    return false;
   const uint64_t tiles = out.plane == TimePlane::geometry ? slices_of(kMostGeometryBytes) : grid.count();
-  if (get<uint16_t>(bytes, 10) != kZstd || out.tile >= tiles || out.slab >= kMostFileTiles) return false;
+  if (get<uint16_t>(bytes, 10) != kZstd || out.tile >= tiles || out.slab >= kMostSlabs) return false;
   const uint64_t raw = raw_tile_bytes(counts_of(out, grid), out.plane);
   return raw <= kMostTileBytes && out.packed_bytes <= 2 * kMostTileBytes &&
          raw <= kMostRatio * out.packed_bytes + kMostRatio && std::isfinite(out.deviation.integral) &&
@@ -158,6 +158,19 @@ std::vector<uint8_t> chunk_bytes(const ObjectTile& tile, bool exact, uint32_t sl
   head.depth_pieces = static_cast<uint32_t>(tile.depth.begin.size());
   head.packed_bytes = packed.size();
   head.deviation = tile.signals.deviation;
+  return chunk_bytes(head, packed);
+}
+
+std::vector<uint8_t> chunk_bytes(const RecordTile& tile, uint32_t slab, uint32_t number,
+                                 std::span<const uint8_t> packed) {
+  ChunkHead head;
+  head.plane = TimePlane::rays;
+  head.tile = number;
+  head.slab = slab;
+  head.pieces = static_cast<uint32_t>(tile.knots.size());
+  head.objects = static_cast<uint32_t>(tile.rays.size() + tile.still_rays.size());
+  head.depth_pieces = static_cast<uint32_t>(tile.parts.size());
+  head.packed_bytes = packed.size();
   return chunk_bytes(head, packed);
 }
 

@@ -23,6 +23,7 @@ inline constexpr uint64_t kSliceBytes = 1 << 26;     // of geometry, before pack
 inline constexpr uint64_t kMostGeometryBytes = uint64_t{1} << 33;
 inline constexpr uint64_t kMostFilePixels = 1u << 28;  // of a picture
 inline constexpr uint64_t kMostFileTiles = 1u << 24;   // of all slabs
+inline constexpr uint64_t kMostSlabs = 1u << 16;
 
 inline uint64_t aligned(uint64_t size) { return (size + kAlignment - 1) / kAlignment * kAlignment; }
 
@@ -48,7 +49,7 @@ struct ChunkHead {
   uint32_t tile = 0;  ///< or the slice's number
   uint32_t slab = 0;  ///< which part of the time it is of; of geometry, 0
   uint32_t pieces = 0;
-  uint32_t objects = 0, depth_pieces = 0;  ///< 0 where the plane holds none
+  uint32_t objects = 0, depth_pieces = 0;  ///< 0 where the plane holds none; of records, rays and parts
   uint64_t packed_bytes = 0;
   TimeDeviation deviation;
   uint32_t checksum = 0;  ///< of all else in the chunk
@@ -58,6 +59,8 @@ struct ChunkHead {
 std::vector<uint8_t> chunk_bytes(const TimeTile& tile, uint32_t slab, uint32_t number, std::span<const uint8_t> packed);
 std::vector<uint8_t> slice_chunk_bytes(uint64_t bytes, uint32_t number, std::span<const uint8_t> packed);
 std::vector<uint8_t> chunk_bytes(const ObjectTile& tile, bool exact, uint32_t slab, uint32_t number,
+                                 std::span<const uint8_t> packed);
+std::vector<uint8_t> chunk_bytes(const RecordTile& tile, uint32_t slab, uint32_t number,
                                  std::span<const uint8_t> packed);
 /// How much the chunk of a picture with such tiles holds.
 inline TileCounts counts_of(const ChunkHead& head, const TileGrid& grid) {
@@ -90,6 +93,8 @@ struct FileDescription {
   uint32_t slabs = 1;           ///< equal parts of the time, which were recorded one after the other
   double tolerance = 0;         ///< in units of a slab's time
   bool objects = false;         ///< does it hold what each mesh contributes?
+  bool rays = false;            ///< does it hold records?
+  uint64_t meshes = 0;          ///< of the scene, where it holds records
   uint64_t geometry_bytes = 0;  ///< of shot_bytes, in slices; 0: none are held
   std::string mark;
 };
@@ -98,6 +103,7 @@ inline std::vector<TimePlane> planes_of(const FileDescription& description) {
   const bool exact = description.tolerance == 0;
   std::vector<TimePlane> planes{exact ? TimePlane::exact_colour : TimePlane::colour};
   if (description.objects) planes.push_back(exact ? TimePlane::exact_objects : TimePlane::objects);
+  if (description.rays) planes.push_back(TimePlane::rays);
   return planes;
 }
 std::string description_text(const FileDescription& description);

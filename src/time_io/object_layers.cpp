@@ -1,10 +1,10 @@
-#include <cmath>
 #include <limits>
 
 #include <kairos/error.h>
 #include <kairos/object_layers.h>
 
 #include "film/frame_image.h"
+#include "time_io/deep_samples.h"
 
 namespace kairos {
 
@@ -13,38 +13,6 @@ namespace {
 std::vector<float>& add_channel(Image& image, const char* name, Channel::Storage storage) {
   return image.channels.emplace_back(Channel{name, storage, {}}).values;
 }
-
-/// Distance of the background's sample: behind everything, and finite, since programs do sums with it.
-constexpr float kBackgroundDistance = 1e10f;
-
-/// Samples of one pixel, from front to back: what each contributes becomes what it is, seen through those before it.
-class PixelSamples {
- public:
-  explicit PixelSamples(DeepImage& out) : out_(out) {}
-
-  /// contribution: to the pixel's colour; coverage: of the pixel.
-  void add(const Vec3f& contribution, double coverage, float depth, uint32_t id) {
-    const double left = 1 - covered_, alpha = std::min(coverage / left, 1.0);
-    if (!(left > 0 && alpha > 0)) return;
-    if (!(depth > depth_)) depth = std::nextafter(depth_, std::numeric_limits<float>::infinity());
-    depth_ = depth;
-    covered_ += left * alpha;
-    const auto put = [&](size_t channel, double value) {
-      out_.image.channels[channel].values.push_back(static_cast<float>(value));
-    };
-    put(0, static_cast<double>(contribution.x) / left);
-    put(1, static_cast<double>(contribution.y) / left);
-    put(2, static_cast<double>(contribution.z) / left);
-    put(3, alpha);
-    put(4, static_cast<double>(depth));
-    put(5, id);
-  }
-
- private:
-  DeepImage& out_;
-  double covered_ = 0;
-  float depth_ = -std::numeric_limits<float>::infinity();
-};
 
 }  // namespace
 
@@ -92,7 +60,7 @@ DeepImage deep_objects(const Image& image, const ExposedObjects& objects, const 
     // Control variates and rounding may let objects cover a little more than all, or less.
     constexpr double kRounding = 1e-4;
     const bool background = !frame.alpha && 1 - covered > kRounding;
-    if (!background && !sorted.empty()) sorted.back().colour += rest;
+    if (!background) share_rest(sorted, rest, covered);
     PixelSamples samples(deep);
     for (const SeenObject& object : sorted)
       samples.add(object.colour, static_cast<double>(object.coverage) / std::max(1.0, covered), object.depth,

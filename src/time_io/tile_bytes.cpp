@@ -1,8 +1,6 @@
 #include "time_io/tile_bytes.h"
 
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include <zstd.h>
@@ -10,55 +8,14 @@
 #include <kairos/error.h>
 
 #include "film/half.h"
+#include "time_io/columns.h"
+#include "time_io/record_bytes.h"
 
 namespace kairos {
 
 namespace {
 
 constexpr int kLevel = 3;  // of zstd: higher ones take longer than they save
-
-static_assert(std::endian::native == std::endian::little, "numbers of the file are written as they lie in memory");
-
-/// A column is split by bytes: all lowest ones, then all second ones, and so on. Bytes of one significance are alike.
-class ColumnWriter {
- public:
-  explicit ColumnWriter(std::vector<uint8_t>& out) : out_(out) { out_.clear(); }
-
-  template <class Number, class At>
-  void column(size_t count, const At& at) {
-    const size_t start = out_.size();
-    out_.resize(start + count * sizeof(Number));
-    for (size_t i = 0; i < count; ++i) {
-      const Number number = at(i);
-      uint8_t bytes[sizeof(Number)];
-      std::memcpy(bytes, &number, sizeof bytes);
-      for (size_t b = 0; b < sizeof bytes; ++b) out_[start + b * count + i] = bytes[b];
-    }
-  }
-
- private:
-  std::vector<uint8_t>& out_;
-};
-
-class ColumnReader {
- public:
-  explicit ColumnReader(std::span<const uint8_t> in) : in_(in) {}
-
-  template <class Number, class Put>
-  void column(size_t count, const Put& put) {
-    for (size_t i = 0; i < count; ++i) {
-      uint8_t bytes[sizeof(Number)];
-      for (size_t b = 0; b < sizeof bytes; ++b) bytes[b] = in_[b * count + i];
-      Number number;
-      std::memcpy(&number, bytes, sizeof bytes);
-      put(i, number);
-    }
-    in_ = in_.subspan(count * sizeof(Number));
-  }
-
- private:
-  std::span<const uint8_t> in_;
-};
 
 template <class Number>
 void write_values(ColumnWriter& out, const PieceValues<Number>& values) {
@@ -96,26 +53,6 @@ void write_signals(ColumnWriter& out, const TimeTile& tile) {
     write_values(out, tile.floats);
   else
     write_values(out, tile.halves);
-}
-
-/// Why bytes are no tile.
-struct NoTile {
-  const char* why;
-};
-
-/// `first` of so many things that are `sum` in all, each of which has `least` at least.
-std::vector<uint32_t> read_counts(ColumnReader& in, uint64_t things, uint64_t sum, uint32_t least) {
-  std::vector<uint32_t> first{0};
-  first.reserve(things + 1);
-  uint64_t so_far = 0;
-  bool sound = true;
-  in.column<uint32_t>(things, [&](size_t, uint32_t count) {
-    sound &= count >= least;
-    so_far += count;
-    first.push_back(static_cast<uint32_t>(std::min(so_far, sum)));
-  });
-  if (!sound || so_far != sum) throw NoTile{"does not hold as much as its header says"};
-  return first;
 }
 
 void read_times(ColumnReader& in, uint64_t functions, uint64_t pieces, std::vector<uint32_t>& first,
@@ -171,6 +108,7 @@ void read_depths(ColumnReader& in, const TileCounts& counts, DepthPieces& depth)
 
 uint64_t raw_tile_bytes(const TileCounts& counts, TimePlane plane) {
   if (plane == TimePlane::geometry) return counts.pieces;
+  if (plane == TimePlane::rays) return raw_record_bytes(counts);
   const uint64_t of_value = is_exact(plane) ? 4 : 2;
   const uint64_t of_pieces = counts.pieces * (4 + 8 * of_value);
   if (!holds_objects(plane)) return 4 * counts.pixels + of_pieces;
@@ -212,6 +150,12 @@ std::span<const uint8_t> TilePacker::pack(const ObjectTile& tile) {
   return pack_raw();
 }
 
+std::span<const uint8_t> TilePacker::pack(const RecordTile& tile) {
+  ColumnWriter out(raw_);
+  write_records(out, tile);
+  return pack_raw();
+}
+
 std::span<const uint8_t> TilePacker::pack(std::span<const uint8_t> slice) {
   raw_.assign(slice.begin(), slice.end());
   return pack_raw();
@@ -237,6 +181,17 @@ TimeTile TilePacker::unpack(std::span<const uint8_t> packed, const TileCounts& c
   ColumnReader in(raw_);
   try {
     return read_signals(in, counts.pixels, counts.pieces, is_exact(plane));
+  } catch (const NoTile& fault) {
+    throw Error(ErrorCode::bad_input, place, fault.why);
+  }
+}
+
+RecordTile TilePacker::unpack_records(std::span<const uint8_t> packed, const TileCounts& counts, size_t meshes,
+                                      const std::string& place) {
+  unpack_raw(packed, raw_tile_bytes(counts, TimePlane::rays), place);
+  ColumnReader in(raw_);
+  try {
+    return read_records(in, counts, meshes);
   } catch (const NoTile& fault) {
     throw Error(ErrorCode::bad_input, place, fault.why);
   }

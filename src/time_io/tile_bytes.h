@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "film/object_tile.h"
+#include "film/record_tile.h"
 #include "film/time_tile.h"
 
 namespace kairos {
@@ -20,6 +21,7 @@ enum class TimePlane : uint16_t {
   objects = 3,        ///< 16-bit values
   exact_objects = 4,  ///< 32-bit values
   geometry = 5,       ///< of no tile: a slice of shot_bytes
+  rays = 6,           ///< records, without loss
 };
 inline bool holds_objects(TimePlane plane) { return plane == TimePlane::objects || plane == TimePlane::exact_objects; }
 inline bool is_exact(TimePlane plane) { return plane == TimePlane::exact_colour || plane == TimePlane::exact_objects; }
@@ -28,6 +30,7 @@ inline bool is_exact(TimePlane plane) { return plane == TimePlane::exact_colour 
 struct TileCounts {
   uint64_t pixels = 0, pieces = 0;         ///< pieces: of geometry, bytes
   uint64_t objects = 0, depth_pieces = 0;  ///< 0 where it holds none
+  // Of records: knots, rays and parts.
 
   friend bool operator==(const TileCounts&, const TileCounts&) = default;
 };
@@ -49,6 +52,7 @@ class TilePacker {
   /// Valid until the next call.
   std::span<const uint8_t> pack(const TimeTile& tile);
   std::span<const uint8_t> pack(const ObjectTile& tile);
+  std::span<const uint8_t> pack(const RecordTile& tile);
   std::span<const uint8_t> pack(std::span<const uint8_t> slice);
 
   /// A tile that holds so much, of which raw_tile_bytes is at most kMostTileBytes. Throw Error(bad_input, place) for
@@ -56,6 +60,8 @@ class TilePacker {
   TimeTile unpack(std::span<const uint8_t> packed, const TileCounts& counts, TimePlane plane, const std::string& place);
   /// meshes: how many there are in the scene.
   ObjectTile unpack_objects(std::span<const uint8_t> packed, const TileCounts& counts, TimePlane plane, size_t meshes,
+                            const std::string& place);
+  RecordTile unpack_records(std::span<const uint8_t> packed, const TileCounts& counts, size_t meshes,
                             const std::string& place);
   /// Valid until the next call.
   std::span<const uint8_t> unpack_slice(std::span<const uint8_t> packed, uint64_t size, const std::string& place);

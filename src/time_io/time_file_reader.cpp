@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <map>
 #include <set>
 #include <type_traits>
 #include <utility>
@@ -44,24 +45,16 @@ class TimeFile::Tiles : public TimeTiles {
         path_(std::move(path)),
         grid_(grid),
         meshes_(description.frame.objects.size()),
+        meshes_of_rays_(description.meshes),
+        has_rays_(description.rays),
         has_objects_(description.objects),
         geometry_bytes_(description.geometry_bytes),
         slabs_(description.slabs),
-        entries_(slabs_ * grid.count()),
-        object_entries_(slabs_ * grid.count()),
-        tiles_(slabs_ * grid.count()) {
+        exact_(description.tolerance == 0) {
     std::vector<size_t> there(grid.count());  // [tile]: its slabs
     for (const IndexEntry& entry : entries) {
-      if (entry.head.plane == TimePlane::geometry) {
-        slices_.resize(std::max<size_t>(slices_.size(), entry.head.tile + 1));
-        slices_[entry.head.tile] = entry;
-        continue;
-      }
-      if (holds_objects(entry.head.plane)) {
-        object_entries_[place(entry.head.slab, entry.head.tile)] = entry;
-        continue;
-      }
-      entries_[place(entry.head.slab, entry.head.tile)] = entry;
+      entries_.emplace(key_of(entry.head), entry);
+      if (entry.head.plane != TimePlane::colour && entry.head.plane != TimePlane::exact_colour) continue;
       TimeTile counted;  // without the pieces themselves
       counted.deviation = entry.head.deviation;
       add_to(quality_, counted);
@@ -81,20 +74,34 @@ class TimeFile::Tiles : public TimeTiles {
   TimeQuality quality() override { return quality_; }
 
   std::shared_ptr<const TimeTile> tile(size_t number, const TimeStretch& when) override {
-    return of_slabs<TimeTile>(number, when, entries_, [&](size_t at) { return slab(at); });
+    return of_slabs<TimeTile>(number, when, exact_ ? TimePlane::exact_colour : TimePlane::colour,
+                              [&](const IndexEntry& entry) { return signals(entry); });
   }
 
   bool has_objects() const override { return has_objects_; }
   bool has_geometry() const { return geometry_bytes_ > 0; }
+  bool has_rays() const { return has_rays_; }
+  size_t slabs() const { return slabs_; }
+
+  /// Of a tile of a slab; none where it was not rendered. Read anew each time.
+  RecordTile records(size_t slab, size_t number) {
+    const IndexEntry* const entry = find(TimePlane::rays, slab, number);
+    if (entry == nullptr) return {};
+    return with_packer([&](TilePacker& packer) {
+      return packer.unpack_records(packed_bytes(*entry), counts_of(entry->head, grid_), meshes_of_rays_,
+                                   place_of(*entry));
+    });
+  }
 
   std::vector<uint8_t> geometry() {
     std::vector<uint8_t> bytes;
-    for (const IndexEntry& entry : slices_)
-      if (entry.offset != 0) {
-        TilePacker packer;
-        const auto slice = packer.unpack_slice(packed_bytes(entry), entry.head.pieces, place_of(entry));
-        bytes.insert(bytes.end(), slice.begin(), slice.end());
-      }
+    for (uint32_t i = 0; i < slices_of(geometry_bytes_); ++i) {
+      const IndexEntry* const entry = find(TimePlane::geometry, 0, i);
+      if (entry == nullptr) break;
+      TilePacker packer;
+      const auto slice = packer.unpack_slice(packed_bytes(*entry), entry->head.pieces, place_of(*entry));
+      bytes.insert(bytes.end(), slice.begin(), slice.end());
+    }
     if (bytes.size() != geometry_bytes_)
       throw Error(ErrorCode::bad_input, path_, "lacks some of its geometry; render it again");
     return bytes;
@@ -102,8 +109,8 @@ class TimeFile::Tiles : public TimeTiles {
 
   /// Read anew each time: few exposures ask for them, and they take much memory.
   std::shared_ptr<const ObjectTile> objects(size_t number, const TimeStretch& when) override {
-    return of_slabs<ObjectTile>(number, when, object_entries_, [&](size_t at) {
-      const IndexEntry& entry = object_entries_[at];
+    const TimePlane plane = exact_ ? TimePlane::exact_objects : TimePlane::objects;
+    return of_slabs<ObjectTile>(number, when, plane, [&](const IndexEntry& entry) {
       return std::make_shared<const ObjectTile>(with_packer([&](TilePacker& packer) {
         return packer.unpack_objects(packed_bytes(entry), counts_of(entry.head, grid_), entry.head.plane, meshes_,
                                      place_of(entry));
@@ -112,33 +119,36 @@ class TimeFile::Tiles : public TimeTiles {
   }
 
  private:
-  size_t place(size_t slab, size_t tile) const { return slab * grid_.count() + tile; }
+  /// Null where it is not there.
+  const IndexEntry* find(TimePlane plane, size_t slab, size_t tile) const {
+    const auto found = entries_.find({plane, static_cast<uint32_t>(slab), static_cast<uint32_t>(tile)});
+    return found == entries_.end() ? nullptr : &found->second;
+  }
 
-  /// read(place): the tile of a slab that is there. Slabs in which it does not matter are not read.
+  /// read(entry): the tile of a slab. Slabs in which it does not matter are not read.
   template <class Tile, class Read>
-  std::shared_ptr<const Tile> of_slabs(size_t number, const TimeStretch& when, const std::vector<IndexEntry>& entries,
-                                       const Read& read) {
+  std::shared_ptr<const Tile> of_slabs(size_t number, const TimeStretch& when, TimePlane plane, const Read& read) {
     std::vector<std::shared_ptr<const Tile>> slabs(slabs_);
     bool any = false;
     for (size_t slab = 0; slab < slabs_; ++slab) {
-      const size_t at = place(slab, number);
-      if (entries[at].offset == 0) continue;
+      const IndexEntry* const entry = find(plane, slab, number);
+      if (entry == nullptr) continue;
       any = true;
       const auto length = static_cast<double>(slabs_);
       if (slabs_ == 1 ||
           (static_cast<double>(slab) <= when.end * length && static_cast<double>(slab + 1) >= when.begin * length))
-        slabs[slab] = read(at);
+        slabs[slab] = read(*entry);
     }
     if (!any || slabs_ == 1) return slabs[0];
     return std::make_shared<const Tile>(join_slabs(slabs, grid_.pixel_count(number)));
   }
 
-  std::shared_ptr<const TimeTile> slab(size_t at) {
+  std::shared_ptr<const TimeTile> signals(const IndexEntry& entry) {
+    const std::pair key{entry.head.slab, entry.head.tile};
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      if (tiles_[at] != nullptr) return tiles_[at];
+      if (const auto kept = tiles_.find(key); kept != tiles_.end()) return kept->second;
     }
-    const IndexEntry& entry = entries_[at];
     auto tile = std::make_shared<const TimeTile>(with_packer([&](TilePacker& packer) {
       TimeTile read =
           packer.unpack(packed_bytes(entry), counts_of(entry.head, grid_), entry.head.plane, place_of(entry));
@@ -146,10 +156,8 @@ class TimeFile::Tiles : public TimeTiles {
       return read;
     }));
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (kept_ + tile->memory_bytes() <= kMostKeptBytes && tiles_[at] == nullptr) {
+    if (kept_ + tile->memory_bytes() <= kMostKeptBytes && tiles_.emplace(key, tile).second)
       kept_ += tile->memory_bytes();
-      tiles_[at] = tile;
-    }
     return tile;
   }
 
@@ -184,15 +192,15 @@ class TimeFile::Tiles : public TimeTiles {
   int file_;
   std::string path_;
   TileGrid grid_;
-  size_t meshes_;
-  bool has_objects_;
+  size_t meshes_, meshes_of_rays_;
+  bool has_rays_, has_objects_;
   uint64_t geometry_bytes_;
   size_t slabs_;
-  std::vector<IndexEntry> entries_, object_entries_;  // [slab][tile]; offset 0: not there
-  std::vector<IndexEntry> slices_;                    // of geometry; the same
+  bool exact_;
+  std::map<ChunkKey, IndexEntry> entries_;
   TimeQuality quality_;
-  std::mutex mutex_;                                    // of what follows
-  std::vector<std::shared_ptr<const TimeTile>> tiles_;  // [slab][tile]
+  std::mutex mutex_;                                                                // of what follows
+  std::map<std::pair<uint32_t, uint32_t>, std::shared_ptr<const TimeTile>> tiles_;  // of slab and tile
   std::vector<std::unique_ptr<TilePacker>> packers_;
   size_t kept_ = 0;  // bytes
 };
@@ -238,6 +246,7 @@ TimeFile TimeFile::open(const std::string& path) {
   std::set<ChunkKey> known;
   for (const IndexEntry& entry : entries)
     if ((entry.head.plane == TimePlane::geometry ? entry.head.tile >= slices_of(description.geometry_bytes)
+         : entry.head.plane == TimePlane::rays   ? !description.rays
                                                  : is_exact(entry.head.plane) != (description.tolerance == 0)) ||
         (holds_objects(entry.head.plane) && !description.objects) ||
         entry.head.slab >= (entry.head.plane == TimePlane::geometry ? 1 : description.slabs) ||
@@ -247,10 +256,11 @@ TimeFile TimeFile::open(const std::string& path) {
       entries.size() != info.tiles * planes_of(description).size() + slices_of(description.geometry_bytes))
     throw damaged("lacks tiles; render it again");
   const auto planes = planes_of(description);
-  for (uint64_t i = 0; i < info.tiles; ++i)
-    info.tiles_there += std::all_of(planes.begin(), planes.end(), [&](TimePlane plane) {
-      return known.contains({plane, static_cast<uint32_t>(i / grid.count()), static_cast<uint32_t>(i % grid.count())});
-    });
+  for (const auto& [plane, slab, tile] : known)
+    info.tiles_there +=
+        plane == planes[0] && std::all_of(planes.begin(), planes.end(), [&, s = slab, t = tile](auto p) {
+          return known.contains({p, s, t});
+        });
   auto tiles = std::make_shared<Tiles>(file.release(), path, grid, description, entries);
   return {info, TimePicture(std::move(description.frame), tiles), tiles, path};
 }
@@ -286,12 +296,37 @@ Shot TimeFile::shot(double from, double to) const {
   return cut;
 }
 
+bool TimeFile::has_rays() const { return tiles_->has_rays(); }
+
+void TimeFile::replay(PixelConsumer& consumer, int slab, const std::function<bool(double fraction)>& progress) const {
+  if (!has_rays()) throw Error(ErrorCode::bad_usage, path_, "does not hold what rays see");
+  if (slab < 0 || static_cast<size_t>(slab) >= tiles_->slabs())
+    throw Error(ErrorCode::bad_usage, path_, "has no such slab of time");
+  if (consumer.needs().surfaces())
+    throw Error(ErrorCode::bad_usage, path_, "holds colours of what rays see, and neither normals nor albedo");
+  const TimeFrame& frame = picture_.frame();
+  const TileGrid grid{frame.width, frame.height};
+  for (size_t number = 0; number < grid.count(); ++number) {
+    if (progress && !progress(static_cast<double>(number) / static_cast<double>(grid.count())))
+      throw Error(ErrorCode::cancelled, "", "replaying was stopped");
+    const RecordTile tile = tiles_->records(static_cast<size_t>(slab), number);
+    const Crop crop = grid.pixels(number);
+    const int across = crop.x1 - crop.x0;
+    for (size_t pixel = 0; pixel < tile.pixels(); ++pixel) {
+      const int x = frame.left + crop.x0 + static_cast<int>(pixel) % across,
+                y = frame.top + crop.y0 + static_cast<int>(pixel) / across;
+      if (!consumer.has(x, y)) consumer.add(tile.record(pixel, x, y));
+    }
+  }
+}
+
 void TimeFile::check() const {
   // Tiles are unpacked and looked at as they are read.
   const TimeFrame& frame = picture_.frame();
   for (size_t number = 0; number < TileGrid{frame.width, frame.height}.count(); ++number) {
     tiles_->tile(number, {});
     if (picture_.has_objects()) tiles_->objects(number, {});
+    for (size_t slab = 0; has_rays() && slab < tiles_->slabs(); ++slab) tiles_->records(slab, number);
   }
   if (has_geometry()) parse_shot(tiles_->geometry(), frame.open, frame.close, path_);
 }

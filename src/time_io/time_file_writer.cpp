@@ -93,8 +93,8 @@ class TimeFileWriter::File {
 
   void begin_slab(uint32_t slab) {
     slab_ = slab;
-    maker_.emplace(grid_, description_.frame.left, description_.frame.top, description_.tolerance,
-                   description_.objects);
+    maker_.emplace(grid_, description_.frame.left, description_.frame.top, description_.tolerance, description_.objects,
+                   description_.rays);
   }
   bool slab_is_there(uint32_t slab) const {
     const auto first = there_.begin() + static_cast<std::ptrdiff_t>(place(slab, 0));
@@ -113,6 +113,17 @@ class TimeFileWriter::File {
     if (description_.objects)
       chunks.push_back(
           chunk_bytes(tile->objects, description_.tolerance == 0, slab_, tile_number, packer->pack(tile->objects)));
+    if (description_.rays) {
+      const RecordTile& records = tile->records;
+      if (raw_tile_bytes({records.pixels(), records.knots.size(), records.rays.size() + records.still_rays.size(),
+                          records.parts.size()},
+                         TimePlane::rays) > kMostTileBytes)
+        throw Error(
+            ErrorCode::bad_usage, path_,
+            "cannot hold so many rays: what those of 32 x 32 pixels see takes more than 256 MiB; take fewer, or "
+            "leave rays out of --time-planes");
+      chunks.push_back(chunk_bytes(records, slab_, tile_number, packer->pack(records)));
+    }
     const std::lock_guard<std::mutex> lock(mutex_);
     for (const std::vector<uint8_t>& bytes : chunks) append_chunk(bytes);
     packers_.push_back(std::move(packer));
@@ -185,7 +196,7 @@ class TimeFileWriter::File {
     }
   }
 
-  size_t planes() const { return description_.objects ? 2 : 1; }
+  size_t planes() const { return planes_of(description_).size(); }
   size_t place(uint32_t slab, size_t tile) const { return slab * grid_.count() + tile; }
   /// Of a tile of which some planes are there, and which is made once more, the first ones stay.
   void add_entry(const IndexEntry& entry) { entries_.emplace(key_of(entry.head), entry); }
@@ -219,17 +230,19 @@ TimeFileWriter::TimeFileWriter(const std::string& path, const Shot& shot, const 
   check_tolerance(options.tolerance);
   TimeFrame frame = time_frame(shot, params, options.clock, options.objects);
   const TileGrid grid{frame.width, frame.height};
-  if (options.slabs < 1 || static_cast<uint64_t>(options.slabs) > kMostFileTiles / grid.count())
+  if (options.slabs < 1 || static_cast<uint64_t>(options.slabs) > std::min(kMostSlabs, kMostFileTiles / grid.count()))
     throw Error(ErrorCode::bad_usage, path,
-                "cannot hold so many slabs of time: at most " + std::to_string(kMostFileTiles / grid.count()));
+                "cannot hold so many slabs of time: at most " +
+                    std::to_string(std::min(kMostSlabs, kMostFileTiles / grid.count())));
   const std::vector<uint8_t> geometry = options.geometry ? shot_bytes(shot) : std::vector<uint8_t>();
   if (geometry.size() > kMostGeometryBytes)
     throw Error(ErrorCode::bad_usage, path,
                 "would hold more than 8 GiB of geometry; leave it out of --time-planes, and take kairos flow SCENE");
-  file_ = std::make_unique<File>(path,
-                                 FileDescription{std::move(frame), static_cast<uint32_t>(options.slabs),
-                                                 options.tolerance, options.objects, geometry.size(), options.mark},
-                                 grid, geometry);
+  file_ = std::make_unique<File>(
+      path,
+      FileDescription{std::move(frame), static_cast<uint32_t>(options.slabs), options.tolerance, options.objects,
+                      options.rays, options.rays ? shot.meshes.size() : 0, geometry.size(), options.mark},
+      grid, geometry);
 }
 TimeFileWriter::~TimeFileWriter() = default;
 

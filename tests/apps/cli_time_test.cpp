@@ -115,7 +115,7 @@ TEST_F(CliTime, APartOfTheTimeIsARenderingOfIt) {
 // of.
 TEST_F(CliTime, LayersAndDeepSamplesOfObjects) {
   const std::string render = std::string(kRender) + "--shutter 0,10 --time-tolerance exact ";
-  ok(render + "-o beside.exr --aov depth,mesh,coverage --time all.ktime --time-planes objects");
+  ok(render + "-o beside.exr --aov depth,mesh,coverage --time all.ktime --time-planes objects,rays");
   ok("expose all.ktime --quiet -o all.exr --aov depth,mesh,coverage --cryptomatte object,material");
   const Image beside = image("beside.exr"), exposed = image("all.exr");
   for (const char* name : {"depth.Z", "mesh.id", "coverage.A"}) {
@@ -132,15 +132,13 @@ TEST_F(CliTime, LayersAndDeepSamplesOfObjects) {
   EXPECT_THAT(refusal("expose all.ktime --quiet -o deep.png --deep object", 2), HasSubstr("EXR"));
   ok(std::string(kRender) + "--shutter 0,10 --time colours.ktime");
   EXPECT_THAT(refusal("expose colours.ktime --quiet -o a.exr --aov depth", 1), HasSubstr("--time-planes objects"));
+  EXPECT_THAT(refusal("expose colours.ktime --quiet -o a.exr --deep segments", 1), HasSubstr("--time-planes rays"));
 
   KAIROS_NEEDS(std::system("oiiotool --help > /dev/null 2>&1") == 0, "oiiotool");
   ok("expose all.ktime --quiet -o flat.exr --shutter 3f@2f");
-  ok("expose all.ktime --quiet -o deep.exr --shutter 3f@2f --deep object");
   const auto oiiotool = [&](const std::string& arguments) {
     return std::system(("cd '" + path("") + "' && oiiotool " + arguments + " > /dev/null 2>&1").c_str());
   };
-  ASSERT_EQ(oiiotool("deep.exr --flatten --ch R,G,B -o flattened.exr"), 0);
-  EXPECT_LT(difference("flat.exr", "flattened.exr"), 1e-5);
   // What is merged with something far behind is tidied first, which merges samples at one distance by other rules.
   DeepImage far;
   far.image = image("flat.exr");
@@ -151,8 +149,16 @@ TEST_F(CliTime, LayersAndDeepSamplesOfObjects) {
                                   std::vector<float>(pixels, name == std::string("Z") ? 1e11f : 1)});
   for (size_t i = 0; i <= pixels; ++i) far.first.push_back(i);
   write_deep_image(far, path("far.exr"));
-  ASSERT_EQ(oiiotool("deep.exr far.exr --deepmerge --flatten --ch R,G,B -o merged.exr"), 0);
-  EXPECT_LT(difference("flat.exr", "merged.exr"), 1e-5);
+  std::vector<size_t> bytes;
+  for (const std::string of : {"object", "segments"}) {
+    ok("expose all.ktime --quiet -o deep.exr --shutter 3f@2f --deep " + of);
+    bytes.push_back(read(path("deep.exr")).size());
+    ASSERT_EQ(oiiotool("deep.exr --flatten --ch R,G,B -o flattened.exr"), 0);
+    EXPECT_LT(difference("flat.exr", "flattened.exr"), 1e-5) << of;
+    ASSERT_EQ(oiiotool("deep.exr --ch R,G,B,A,Z,id far.exr --deepmerge --flatten --ch R,G,B -o merged.exr"), 0);
+    EXPECT_LT(difference("flat.exr", "merged.exr"), 1e-5) << of;
+  }
+  EXPECT_GT(bytes[1], bytes[0] + 1000) << "a sample for each segment";
 }
 
 TEST_F(CliTime, FramesStacksAndInstants) {

@@ -243,6 +243,36 @@ TEST(Exposure, AMovingBarLeansByItsSpeedTimesTheLineTime) {
   }
 }
 
+// Cycles samples the time of a pixel in row y, counted from below, as (1 - y / H)(1 - d) + u d of its shutter, with u
+// uniform. docs/shutters.md says which options here are that.
+TEST(Exposure, RollingShuttersOfCyclesAreWhatTheManualSays) {
+  constexpr int kRows = 60;
+  constexpr double kFrame = 1.0 / 24;
+  for (const double duration : {0.0, 0.25, 1.0})
+    for (const double position : {0.0, -0.25, -0.5}) {  // starts at the frame, is centred on it, ends there
+      constexpr double kShutter = 0.5;                  // frames
+      Shutter ours;
+      ours.open = (position + kShutter * (1 - duration) / kRows) * kFrame;
+      ours.close = ours.open + kShutter * duration * kFrame;
+      ours.open_line = ours.close_line = kShutter * (1 - duration) / kRows * kFrame;
+      const double shot_open = 1 + position * kFrame, shot_close = shot_open + kShutter * kFrame;
+      const Exposure exposure(ours, 1, 8, kRows, shot_open, shot_close);
+      double unshifted = 0;  // how far off the rows would be that begin with the shutter
+      for (int y = 0; y < kRows; ++y) {
+        const int from_below = kRows - 1 - y;
+        const auto cycles = [&](double u) {
+          return (1 - static_cast<double>(from_below) / kRows) * (1 - duration) + u * duration;
+        };
+        const TimeWeight weight = exposure.weight(3, y);
+        const double slack = duration == 0 ? Exposure::kShortest : 1e-6;
+        EXPECT_NEAR(weight.begin(), cycles(0), slack) << duration << " " << position << " " << y;
+        EXPECT_NEAR(weight.end(), cycles(1), slack) << duration << " " << position << " " << y;
+        unshifted = std::max(unshifted, std::abs(static_cast<double>(y) / kRows * (1 - duration) - cycles(0)));
+      }
+      EXPECT_NEAR(unshifted, (1 - duration) / kRows, 1e-9);
+    }
+}
+
 TEST(Exposure, GlobalResetGathersMoreLightLineByLine) {
   Shot shot;
   shot.background = {1, 1, 1};

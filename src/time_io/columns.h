@@ -1,0 +1,76 @@
+// Columns of numbers, as bytes of a file that pack well.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <vector>
+
+namespace kairos {
+
+static_assert(std::endian::native == std::endian::little, "numbers of the file are written as they lie in memory");
+
+/// A column is split by bytes: all lowest ones, then all second ones, and so on. Bytes of one significance are alike.
+class ColumnWriter {
+ public:
+  explicit ColumnWriter(std::vector<uint8_t>& out) : out_(out) { out_.clear(); }
+
+  template <class Number, class At>
+  void column(size_t count, const At& at) {
+    const size_t start = out_.size();
+    out_.resize(start + count * sizeof(Number));
+    for (size_t i = 0; i < count; ++i) {
+      const Number number = at(i);
+      uint8_t bytes[sizeof(Number)];
+      std::memcpy(bytes, &number, sizeof bytes);
+      for (size_t b = 0; b < sizeof bytes; ++b) out_[start + b * count + i] = bytes[b];
+    }
+  }
+
+ private:
+  std::vector<uint8_t>& out_;
+};
+
+class ColumnReader {
+ public:
+  explicit ColumnReader(std::span<const uint8_t> in) : in_(in) {}
+
+  template <class Number, class Put>
+  void column(size_t count, const Put& put) {
+    for (size_t i = 0; i < count; ++i) {
+      uint8_t bytes[sizeof(Number)];
+      for (size_t b = 0; b < sizeof bytes; ++b) bytes[b] = in_[b * count + i];
+      Number number;
+      std::memcpy(&number, bytes, sizeof bytes);
+      put(i, number);
+    }
+    in_ = in_.subspan(count * sizeof(Number));
+  }
+
+ private:
+  std::span<const uint8_t> in_;
+};
+
+/// Why bytes are no tile.
+struct NoTile {
+  const char* why;
+};
+
+/// `first` of so many things that are `sum` in all, each of which has `least` at least.
+inline std::vector<uint32_t> read_counts(ColumnReader& in, uint64_t things, uint64_t sum, uint32_t least) {
+  std::vector<uint32_t> first{0};
+  first.reserve(things + 1);
+  uint64_t so_far = 0;
+  bool sound = true;
+  in.column<uint32_t>(things, [&](size_t, uint32_t count) {
+    sound &= count >= least;
+    so_far += count;
+    first.push_back(static_cast<uint32_t>(std::min(so_far, sum)));
+  });
+  if (!sound || so_far != sum) throw NoTile{"does not hold as much as its header says"};
+  return first;
+}
+
+}  // namespace kairos
