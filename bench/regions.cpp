@@ -56,7 +56,7 @@ void report(const Options& options) {
   const auto scene = load_scene(options.scenes, {});
   ShotOptions so = options.shot;
   so.textures = options.params.shading != ShadingKind::normal;
-  if (options.params.shading == ShadingKind::whitted) so.lights = LightChoice::automatic;
+  if (is_lit(options.params.shading)) so.lights = LightChoice::automatic;
   const Shot shot = make_shot(*scene, so);
   RenderParams params = options.params;
   params.discrete_keys = options.keys;

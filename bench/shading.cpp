@@ -144,7 +144,7 @@ int run(int argc, char** argv) {
   const std::optional<ShadingKind> shading = parse<ShadingKind>(shading_name);
   if (!shading) throw Error(ErrorCode::bad_usage, "--shading", "give one of those that kairos render has");
   params.shading = *shading;
-  if (*shading == ShadingKind::whitted) options.lights = LightChoice::automatic;
+  if (is_lit(*shading)) options.lights = LightChoice::automatic;
   const auto scene = load_scene(scenes);
   report(make_shot(*scene, options), params, seeds, samples);
   return 0;

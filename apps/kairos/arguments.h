@@ -50,7 +50,7 @@ void add_real(CLI::App& app, const std::string& name, const std::string& help, c
               const std::function<void(double)>& set);
 
 /// What shows surfaces: other shadings neither take time that could be measured nor have a reference.
-inline constexpr std::span<const Named<ShadingKind>> kSurfaceShadings = std::span(kNames<ShadingKind>).first(3);
+inline constexpr std::span<const Named<ShadingKind>> kSurfaceShadings = std::span(kNames<ShadingKind>).first(4);
 
 /// The value with that name, of an enum or of those of its values that are offered.
 template <class Enum>

@@ -70,7 +70,7 @@ void add_calibrate_command(CLI::App& app, Action& chosen) {
   command.callback([arguments, &chosen] {
     arguments->scene.shot.textures = arguments->params.shading != ShadingKind::normal;
     arguments->scene.shot.strict = arguments->scene.load.strict;
-    if (arguments->params.shading == ShadingKind::whitted) arguments->scene.shot.lights = LightChoice::automatic;
+    if (is_lit(arguments->params.shading)) arguments->scene.shot.lights = LightChoice::automatic;
     arguments->params.threads = arguments->scene.threads;
     chosen = [arguments] { run_calibrate(*arguments); };
   });

@@ -226,10 +226,11 @@ void add_record_options(CLI::App& command, EventsArguments& arguments) {
   add_event_sensor_options(command, options.sensor);
   add_event_file_options(command, arguments.file);
   add_choice(command, "--shading", options.render.shading,
-             "normal: |normal| as colour; flat: base colour, unlit; whitted: lit, with shadows, mirrors and glass",
+             "normal: |normal| as colour; flat: base colour, unlit; whitted: lit, with shadows, mirrors and glass; "
+             "path: and by what surfaces scatter",
              kSurfaceShadings);
   add_count(command, "--max-depth", options.render.max_depth, 0, 64,
-            "whitted: how often a ray may be reflected or refracted");
+            "whitted, path: how often a ray may be reflected or refracted, or light scattered");
   add_count(command, "--looks", options.looks, 2, 65536, "How often in a second colours are looked at, at least");
   add_real(command, "--chunk", "Seconds that are rendered at once [0.5]", "S",
            [&options](double value) { options.chunk = value; });

@@ -27,7 +27,7 @@ void BackgroundChoice::apply(Shot& shot) const {
 }
 
 void LightArguments::apply(const CLI::App& app, RenderParams& params, ShotOptions& shot) const {
-  const bool lit = params.shading == ShadingKind::whitted;
+  const bool lit = is_lit(params.shading);
   // Other shadings show an environment that is asked for, and need no light.
   shot.lights = lit || app.count("--lights") > 0 ? lights : LightChoice::file;
   shot.environment = environment;

@@ -20,15 +20,22 @@ void add_sampling_options(CLI::App& app, SamplingArguments& out) {
       app, "--clusters", params.clusters,
       "What is shaded as one. on: triangles that follow on each other smoothly; pixel (auto): a triangle, over a "
       "pixel's rays, or for "
-      "whitted all that they see; off: nothing");
+      "lit pictures all that they see; off: nothing");
   add_count(app, "--spp", params.spp, 1, kMostSamples,
             "Samples per pixel of qmc; of mixed: discrete rays; of auto: the budget");
   add_choice(app, "--sampler", params.sampler, "Where in the pixel, and when, samples are taken");
   add_choice(app, "--shading", params.shading,
              "normal: |normal| as colour; flat: base colour, unlit; whitted: lit, with shadows, mirrors and glass; "
-             "bounds: blue to red, for how long rays meet moving meshes' boxes as the kernels see it, bounds-exact: "
+             "path: and by what surfaces scatter; bounds: blue to red, for how long rays meet moving meshes' boxes as "
+             "the kernels see it, bounds-exact: "
              "as it is");
-  add_count(app, "--max-depth", params.max_depth, 0, 64, "whitted: how often a ray may be reflected or refracted");
+  add_count(app, "--max-depth", params.max_depth, 0, 64,
+            "whitted, path: how often a ray may be reflected or refracted, or light scattered");
+  add_real(app, "--clamp", "path: the most that light scattered more than once brings to a sample; 0: no limit [0]",
+           "L", [&params](double v) {
+             if (!(v >= 0 && v <= 1e30)) throw CLI::ValidationError("--clamp", "must be 0 to 1e30");
+             params.clamp = static_cast<float>(v);
+           });
   app.add_option("--calibration", out.calibration,
                  "What rays cost, by which auto chooses them: a file of kairos calibrate, or default: estimated")
       ->type_name("FILE|default");

@@ -165,7 +165,7 @@ void add_study_command(CLI::App& app, Action& chosen, const std::string& command
       ->required();
   add_count(command, "--rows", options.rows, 0, 65536,
             "Render only so many rows of pixels, spread evenly over the frame; 0: all");
-  add_choices(command, "--shading", options.shadings, "One study each: normal, flat, whitted", kSurfaceShadings);
+  add_choices(command, "--shading", options.shadings, "One study each: normal, flat, whitted, path", kSurfaceShadings);
   add_choices(command, "--methods", options.methods,
               "What is compared; random, multi-jitter and owen-sobol are samplers of qmc");
   add_counts(command, "--budgets", options.budgets, 1, kMostSamples, "Samples per pixel of qmc and auto");
@@ -194,8 +194,7 @@ void add_study_command(CLI::App& app, Action& chosen, const std::string& command
       o.shot.shutter = shutter->in_frames(o.shot.fps.value_or(1));
     }
     o.shot.strict = o.load.strict;
-    if (std::find(o.shadings.begin(), o.shadings.end(), ShadingKind::whitted) != o.shadings.end())
-      o.shot.lights = LightChoice::automatic;
+    if (std::any_of(o.shadings.begin(), o.shadings.end(), is_lit)) o.shot.lights = LightChoice::automatic;
     o.threads = arguments->scene.threads;
     // Threads that wait for each other use no processor, and yet take time.
     if (o.threads != 1 && command.count("--clock") == 0) o.clock = study::Clock::wall;

@@ -33,6 +33,7 @@ template <>
 inline constexpr auto kNames<ShadingKind> = std::to_array<Named<ShadingKind>>({{"normal", ShadingKind::normal},
                                                                                {"flat", ShadingKind::flat},
                                                                                {"whitted", ShadingKind::whitted},
+                                                                               {"path", ShadingKind::path},
                                                                                {"bounds", ShadingKind::bounds},
                                                                                {"bounds-exact",
                                                                                 ShadingKind::bounds_exact}});

@@ -33,11 +33,14 @@ enum class ShadingKind {
   normal,   ///< (|n.x|, |n.y|, |n.z|) of the unit normal in world space: the mesh's own, or the triangle's
   flat,     ///< base colour plus emission, unlit
   whitted,  ///< lit, with shadows, mirrors and glass
+  path,     ///< lit by what surfaces scatter, too: paths of light
   // No surfaces, whatever the integrator: from blue (never) to red (all of the shutter), for how long a ray meets the
   // box of a moving mesh, which moves linearly from key to key.
   bounds,        ///< as the kernels' test of tree nodes says, which may say too much
   bounds_exact,  ///< as it is
 };
+/// Does the shading ask for lights?
+constexpr bool is_lit(ShadingKind kind) { return kind == ShadingKind::whitted || kind == ShadingKind::path; }
 /// What gets a shading sample of its own along a time-continuous ray.
 enum class Clusters {
   automatic,  ///< pixel; of lit pictures where blended surfaces are seen, on
@@ -109,7 +112,10 @@ struct RenderParams {
                  ///< time of samples of qmc, on average over the pixels; 1 to 2^20
   SamplerKind sampler = SamplerKind::owen_sobol;
   ShadingKind shading = ShadingKind::normal;
-  int max_depth = 8;  ///< whitted: how often a ray may be reflected or refracted, 0 to 64
+  int max_depth = 8;  ///< whitted: how often a ray may be reflected or refracted; path: or scattered; 0 to 64
+  /// path: the most that light which is scattered more than once may bring to a shading sample, in any component; what
+  /// is brighter is darkened as a whole. 0: no limit, and nothing of the light is lost.
+  float clamp = 0;
   FilterKind filter = FilterKind::box;
   std::vector<Aov> aovs;
   /// When each pixel is exposed while the shutter is open, and how much each of its instants counts. Rays look at that

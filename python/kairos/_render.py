@@ -18,7 +18,7 @@ from ._errors import UsageError
 from ._scene import Shot
 
 Integrator = Literal["auto", "tc", "qmc", "mixed"]
-Shading = Literal["whitted", "normal", "flat", "bounds", "bounds-exact"]
+Shading = Literal["whitted", "path", "normal", "flat", "bounds", "bounds-exact"]
 InstructionSet = Literal["scalar", "sse4", "avx2", "avx512", "neon"]
 #: Is told the fraction done, 0 to 1, by the thread that called, about twenty times a second. False stops.
 Progress = Callable[[float], Optional[bool]]
@@ -144,7 +144,7 @@ def read_image(path: PathLike) -> Image:
 def render(shot: Shot, *, integrator: Optional[Integrator] = None, spp: int = 64, tc_rays: Optional[int] = None,
            shading: Shading = "whitted", aovs: Union[str, Sequence[str]] = (), crop: Optional[tuple[int, int, int, int]] = None,
            seed: int = 0, threads: int = 0, progress: Optional[Progress] = None, shading_samples: int = 8,
-           shading_interval: float = 0.0, clusters: Literal["auto", "on", "pixel", "off"] = "auto", max_depth: int = 8,
+           shading_interval: float = 0.0, clusters: Literal["auto", "on", "pixel", "off"] = "auto", max_depth: int = 8, clamp: float = 0.0,
            sampler: Literal["owen-sobol", "multi-jitter", "random"] = "owen-sobol",
            filter: Literal["box", "gaussian", "blackman-harris"] = "box", instruction_set: Optional[InstructionSet] = None,
            calibration: Optional[Calibration] = None, discrete_keys: int = 0) -> Image:
@@ -152,7 +152,7 @@ def render(shot: Shot, *, integrator: Optional[Integrator] = None, spp: int = 64
 
     integrator: "tc" (time-continuous rays), "qmc" (discrete ones), "mixed", or "auto", which chooses for each pixel and
     is what None means, unless tc_rays is given: then it means "tc". spp: samples per pixel, of "auto" the budget. tc_rays:
-    time-continuous rays per pixel, 16 if None. shading: "whitted" is lit; "normal" and "flat" are not. aovs: further
+    time-continuous rays per pixel, 16 if None. shading: "whitted" and "path" are lit; "normal" and "flat" are not. aovs: further
     channels: "depth", "normal", "albedo", "coverage", "segments", "mesh". crop: (x0, x1, y0, y1). seed: another one, another noise.
     threads: 0 is as many as the machine has. progress: see Progress. The others are those of the command line's page.
 
@@ -183,7 +183,7 @@ class Renderer:
     def render(self, *, progress: Optional[Progress] = None, **params: Any) -> Image:
         """A picture; parameters as kairos.render takes them."""
         values, stats = self._held.render(chosen(params), progress)
-        lit = params.get("shading", "whitted") == "whitted" and _kairos.shows_light(self._shot._held)
+        lit = params.get("shading", "whitted") in ("whitted", "path") and _kairos.shows_light(self._shot._held)
         return Image(**values, stats=stats, view="filmic" if lit else "standard")
 
     def calibrate(self, *, progress: Optional[Progress] = None, **params: Any) -> Calibration:

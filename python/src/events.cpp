@@ -87,7 +87,7 @@ py::tuple events(const HeldScene& held, const py::dict& values, py::object callb
     options.shot.height = (*size)[1];
   }
   options.shot.threads = options.render.threads;
-  if (options.render.shading != ShadingKind::whitted && options.shot.lights == LightChoice::automatic)
+  if (!is_lit(options.render.shading) && options.shot.lights == LightChoice::automatic)
     options.shot.lights = LightChoice::file;  // without light a studio would only be a background
   auto sink = std::make_unique<Collector>();
   const Progress progress = progress_of(std::move(callback));

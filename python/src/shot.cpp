@@ -33,7 +33,7 @@ Shot HeldShot::make(const ShotOptions& options) const {
 const Shot& HeldShot::shot_for(ShadingKind shading) const {
   if (scene_ == nullptr) return shot_;
   const bool lent = options_.lights == LightChoice::automatic && shot_.lights.size() > contents(*scene_).lights.size();
-  if (shading == ShadingKind::whitted || !lent) return shot_;
+  if (is_lit(shading) || !lent) return shot_;
   const std::lock_guard lock(mutex_);
   if (!unlit_) {
     ShotOptions options = options_;

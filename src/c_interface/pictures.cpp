@@ -84,7 +84,7 @@ RenderParams params_of(const kairos_render_params* given) {
 }
 
 Renderer& renderer_for(kairos_renderer& renderer, ShadingKind shading) {
-  const bool unlit = shading != ShadingKind::whitted && renderer.shot->unlit;
+  const bool unlit = !kairos::is_lit(shading) && renderer.shot->unlit;
   auto& made = unlit ? renderer.unlit : renderer.lit;
   if (!made) made = std::make_unique<Renderer>(unlit ? *renderer.shot->unlit : renderer.shot->shot);
   return *made;
@@ -182,7 +182,7 @@ kairos_status kairos_render(kairos_renderer* renderer, const kairos_render_param
     if (progress != nullptr) told = [&](double fraction) { return progress(user, fraction) != 0; };
     auto made = std::make_unique<kairos_image>();
     made->image = renderer_for(needed(renderer, "renderer"), with.shading).render(with, nullptr, told);
-    if (with.shading == kairos::ShadingKind::whitted && kairos::reflects_light(renderer->shot->shot))
+    if (kairos::is_lit(with.shading) && kairos::reflects_light(renderer->shot->shot))
       made->view = kairos::ViewTransform::filmic;
     *out = made.release();
   });

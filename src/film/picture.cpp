@@ -101,7 +101,7 @@ void Picture::add(const PixelRecord& record) {
 }
 
 ViewTransform usual_view(const Shot& shot, ShadingKind shading) {
-  return shading == ShadingKind::whitted && reflects_light(shot) ? ViewTransform::filmic : ViewTransform::standard;
+  return is_lit(shading) && reflects_light(shot) ? ViewTransform::filmic : ViewTransform::standard;
 }
 
 }  // namespace kairos

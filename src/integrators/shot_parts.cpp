@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "integrators/frame_plan.h"
+#include "shading/shadow_rays.h"
 
 namespace kairos {
 
@@ -22,11 +23,12 @@ const Part& ShotParts::use(Timed<Part>& timed, double BuildSeconds::*field, cons
 }
 
 const Shader& ShotParts::shader(ShadingKind kind, bool want_normal, int max_depth, int discrete_keys,
-                                bool want_variation) {
+                                bool want_variation, float clamp) {
   // Before the clock starts: this part has one of its own.
-  const auto rays = kind == ShadingKind::whitted ? shared_discrete(discrete_keys) : nullptr;
-  return use(shaders_[{kind, want_normal, max_depth, want_variation}], &BuildSeconds::shading,
-             [&] { return std::make_shared<const Shader>(shot_, kind, want_normal, max_depth, rays, want_variation); });
+  const auto rays = is_lit(kind) ? shared_discrete(discrete_keys) : nullptr;
+  return use(shaders_[{kind, want_normal, max_depth, want_variation, clamp}], &BuildSeconds::shading, [&] {
+    return std::make_shared<const Shader>(shot_, kind, want_normal, max_depth, rays, want_variation, clamp);
+  });
 }
 
 const Tracer& ShotParts::tracer(std::optional<InstructionSet> instruction_set, bool moving_meshes_only) {
@@ -52,7 +54,7 @@ void ShotParts::choose_instruction_set(std::optional<InstructionSet> wanted) {
 
 void ShotParts::drop_discrete() {
   discrete_ = {};
-  std::erase_if(shaders_, [](const auto& entry) { return std::get<0>(entry.first) == ShadingKind::whitted; });
+  std::erase_if(shaders_, [](const auto& entry) { return is_lit(std::get<0>(entry.first)); });
 }
 
 std::shared_ptr<const DiscreteScene> ShotParts::shared_discrete(int keys) {
@@ -96,9 +98,10 @@ PlanKey plan_key(const RenderParams& p, const RecordNeeds& needs) {
   std::optional<std::array<double, 5>> calibration;
   if (const auto& c = p.calibration)
     calibration = {c->discrete_sample, c->still_ray, c->tc_ray[0], c->tc_ray[1], c->tc_ray[2]};
-  return {p.integrator,      p.tc_rays,   p.shading_samples, p.clusters,         p.spp,
-          p.sampler,         p.shading,   p.max_depth,       p.filter,           p.seed,
-          p.instruction_set, calibration, p.discrete_keys,   p.shading_interval, needs.time};
+  return {p.integrator, p.tc_rays,         p.shading_samples, p.clusters,      p.spp,
+          p.sampler,    p.shading,         p.max_depth,       p.clamp,         p.filter,
+          p.seed,       p.instruction_set, calibration,       p.discrete_keys, p.shading_interval,
+          needs.time};
 }
 
 const FramePlan* ShotParts::find_plan(const PlanKey& key) const {

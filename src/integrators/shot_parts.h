@@ -23,7 +23,7 @@ struct FramePlan;
 
 /// Everything of a picture's parameters that a FramePlan depends on; so not its crop, channels or threads.
 using PlanKey =
-    std::tuple<IntegratorKind, int, int, Clusters, int, SamplerKind, ShadingKind, int, FilterKind, uint64_t,
+    std::tuple<IntegratorKind, int, int, Clusters, int, SamplerKind, ShadingKind, int, float, FilterKind, uint64_t,
                std::optional<InstructionSet>, std::optional<std::array<double, 5>>, int, double, RecordNeeds::Time>;
 PlanKey plan_key(const RenderParams& params, const RecordNeeds& needs);
 
@@ -40,7 +40,7 @@ class ShotParts {
   InstructionSet embree_set() const { return embree_set_; }
   /// discrete_keys: see RenderParams; of the rays that shading itself traces. want_variation: see Shader.
   const Shader& shader(ShadingKind kind, bool want_normal, int max_depth, int discrete_keys,
-                       bool want_variation = false);
+                       bool want_variation = false, float clamp = 0);
   /// moving_meshes_only: see TracerOptions; the same as without where nothing stands still.
   const Tracer& tracer(std::optional<InstructionSet> instruction_set, bool moving_meshes_only = false);
   const DiscreteScene& discrete(int keys);
@@ -72,7 +72,7 @@ class ShotParts {
 
   const Shot& shot_;
   std::unique_ptr<const Shader> surfaces_;  // for its cut-outs
-  std::map<std::tuple<ShadingKind, bool, int, bool>, Timed<Shader>> shaders_;
+  std::map<std::tuple<ShadingKind, bool, int, bool, float>, Timed<Shader>> shaders_;
   std::map<std::pair<std::optional<InstructionSet>, bool>, Timed<Tracer>> tracers_;
   Timed<DiscreteScene> discrete_;
   int discrete_keys_ = 0;

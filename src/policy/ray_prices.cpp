@@ -28,6 +28,8 @@ double shading_time(ShadingKind kind) {
       return 40;
     case ShadingKind::whitted:
       return 1500;
+    case ShadingKind::path:
+      return 5000;
     default:
       return 60;
   }

@@ -56,6 +56,7 @@ void check(const Projection& p, const RenderParams& params, const Crop& crop) {
     refuse("samples per pixel must be 1 to " + std::to_string(Sampler::kMaxCount));
   if (params.max_depth < 0 || params.max_depth > kMostDepth)
     refuse("the depth of reflections must be 0 to " + std::to_string(kMostDepth));
+  if (!(params.clamp >= 0)) refuse("the limit of scattered light must be a number of at least 0");
   if (params.threads < 0) refuse("the number of threads must not be negative");
   if (params.calibration) prices_of(*params.calibration);
   if (params.discrete_keys < 0 || params.discrete_keys > static_cast<int>(kMaxTimeSteps))
@@ -192,7 +193,8 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
   if (params.integrator == IntegratorKind::automatic) put("kairos:calibration", calibration_text(params.calibration));
   put("kairos:sampler", std::string(to_string(params.sampler)));
   put("kairos:shading", std::string(to_string(params.shading)));
-  if (params.shading == ShadingKind::whitted) put("kairos:max_depth", params.max_depth);
+  if (is_lit(params.shading)) put("kairos:max_depth", params.max_depth);
+  if (params.shading == ShadingKind::path && params.clamp > 0) put("kairos:clamp", params.clamp);
   put("kairos:filter", std::string(to_string(params.filter)));
   if (stats.instruction_set) put("kairos:instruction_set", std::string(to_string(*stats.instruction_set)));
   if (stats.embree_instruction_set)
@@ -240,12 +242,12 @@ void render_here(ShotParts& parts, const RenderParams& params, const Crop& crop,
   const Shot& shot = parts.shot();
   stats.threads = thread_count();
   parts.choose_instruction_set(params.instruction_set);
-  const bool discrete_rays = params.integrator != IntegratorKind::tc || params.shading == ShadingKind::whitted;
+  const bool discrete_rays = params.integrator != IntegratorKind::tc || is_lit(params.shading);
   if (discrete_rays && !shows_bounds(params.shading)) stats.embree_instruction_set = parts.embree_set();
   const bool want_variation =
       params.integrator != IntegratorKind::qmc && !needs.over_time() && clusters_of(params) == Clusters::pixel;
   const Shader& shader =
-      parts.shader(params.shading, needs.normal, params.max_depth, params.discrete_keys, want_variation);
+      parts.shader(params.shading, needs.normal, params.max_depth, params.discrete_keys, want_variation, params.clamp);
   auto start = std::chrono::steady_clock::now();
   const PixelContext context{CameraRays(shot.projection),
                              Sampler(params.sampler, point_count(params), params.seed),

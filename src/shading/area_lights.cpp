@@ -103,6 +103,12 @@ AreaLights::AreaLights(const Shot& shot, const Looks& looks) : shot_(shot), look
     if (place != kNoPlace) place = place_of[place];
 }
 
+std::vector<std::pair<uint32_t, size_t>>::const_iterator AreaLights::first_of(uint32_t mesh) const {
+  const auto first = std::lower_bound(first_.begin(), first_.end(), mesh,
+                                      [](const auto& entry, uint32_t m) { return entry.first < m; });
+  return first != first_.end() && first->first == mesh ? first : first_.end();
+}
+
 std::array<Vec3d, 3> AreaLights::View::corners_of(uint32_t place) {
   const LightTriangle& light = lights_.triangles_[place];
   std::array<Vec3d, 3> corners = light.vertices;
@@ -222,9 +228,8 @@ std::optional<AreaSample> AreaLights::View::sample(const std::array<float, 3>& s
 }
 
 std::optional<AreaSample> AreaLights::View::met(uint32_t mesh, uint32_t triangle, Vec3d direction, double dist) {
-  const auto first = std::lower_bound(lights_.first_.begin(), lights_.first_.end(), mesh,
-                                      [](const auto& entry, uint32_t m) { return entry.first < m; });
-  if (first == lights_.first_.end() || first->first != mesh) return std::nullopt;
+  const auto first = lights_.first_of(mesh);
+  if (first == lights_.first_.end()) return std::nullopt;
   const uint32_t place = lights_.place_[first->second + triangle];
   if (place == kNoPlace || !lights_.triangles_[place].is_met) return std::nullopt;
   const LightTriangle& light = lights_.triangles_[place];

@@ -49,6 +49,9 @@ class AreaLights {
     /// kind, or one that sample() finds although rays do not meet it.
     std::optional<AreaSample> met(uint32_t mesh, uint32_t triangle, Vec3d direction, double dist);
 
+    /// Is a triangle of the mesh one of these lights, so that its light is found by sample()?
+    bool holds(uint32_t mesh) const { return lights_.first_of(mesh) != lights_.first_.end(); }
+
    private:
     friend class AreaLights;
     static constexpr size_t kMostInLeaf = 64;
@@ -83,6 +86,9 @@ class AreaLights {
     bool moves = false;
     std::array<Vec3d, 3> vertices;  // of one that stands still
   };
+
+  /// Where a mesh is in first_; its end for one that emits nothing of this kind.
+  std::vector<std::pair<uint32_t, size_t>>::const_iterator first_of(uint32_t mesh) const;
 
   /// How much of a triangle is there, 0 to 1, at the point with these weights.
   float presence(const LightTriangle& light, const std::array<Vec3d, 3>& vertices,

@@ -25,30 +25,42 @@ namespace kairos {
 template <class Scatter>
 class DirectLight {
  public:
-  DirectLight(const Lights& lights, const ShadowRays& shadows) : lights_(lights), shadows_(shadows) {}
+  /// glass: on the way to emissive surfaces and the sky. Light of point, spot and directional lights, which nothing can
+  /// meet, goes straight through all of it.
+  DirectLight(const Lights& lights, const ShadowRays& shadows, Glass glass = Glass::straight)
+      : lights_(lights), shadows_(shadows), glass_(glass) {}
 
   /// One of many punctual lights, a place on emissive meshes, a direction of the sky. view: of the point; of no use
   /// where there are no emissive meshes.
   Vec3f by_choice(const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant,
                   AreaLights::View& view, SampleKey key) const {
-    Vec3f sum{};
-    if (lights_.has_many()) {
-      const float u = light_point(key.branch(kManyBranch))[0];
-      if (const auto light = lights_.one_of_many(point.position, point.normal, instant.time, instant.place, u))
-        sum += arriving(point, scatter.value(light->direction) * light->irradiance, light->direction, light->dist,
-                        instant);
-    }
-    if (!lights_.areas().empty()) {
-      if (const auto light = view.sample(light_point(key.branch(kAreaBranch)))) {
-        const double density = light->density + (light->is_met ? scatter.area_density(light->direction) : 0);
-        const Vec3f value = scatter.value(light->direction) * light->radiance * static_cast<float>(1 / density);
-        sum += arriving(point, value, light->direction, light->dist, instant);
-      }
-    }
+    Vec3f sum = on_side(point, point.normal, scatter, instant, view, key);
     if (!lights_.sky().empty()) {
       if (const auto bright = lights_.sky().sample(light_point(key.branch(kSkyBranch)))) {
         const Vec3d direction = instant.place.vector_from_world(*bright);
         sum += from_sky(point, scatter, direction, instant);
+      }
+    }
+    return sum;
+  }
+
+  /// The first two of these on one side of the surface. side: the point's normal or its opposite; view: with it.
+  Vec3f on_side(const SurfacePoint& point, Vec3d side, const Scatter& scatter, const SampleInstant& instant,
+                AreaLights::View& view, SampleKey key) const {
+    Vec3f sum{};
+    if (lights_.has_many()) {
+      const float u = light_point(key.branch(kManyBranch))[0];
+      const auto light = lights_.one_of_many(point.position, side, instant.time, instant.place, u);
+      if (light && dot(side, light->direction) > 0)
+        sum += arriving(point, scatter.value(light->direction) * light->irradiance, light->direction, light->dist,
+                        instant, Glass::straight);
+    }
+    if (!lights_.areas().empty()) {
+      const auto light = view.sample(light_point(key.branch(kAreaBranch)));
+      if (light && dot(side, light->direction) > 0) {
+        const double density = light->density + (light->is_met ? scatter.area_density(light->direction) : 0);
+        const Vec3f value = scatter.value(light->direction) * light->radiance * static_cast<float>(1 / density);
+        sum += arriving(point, value, light->direction, light->dist, instant, glass_);
       }
     }
     return sum;
@@ -61,7 +73,7 @@ class DirectLight {
     const double density = lights_.sky().density(in_world) + scatter.sky_density(direction);
     if (!(density > 0)) return {};
     const Vec3f value = scatter.value(direction) * lights_.sky().radiance(in_world) * static_cast<float>(1 / density);
-    return arriving(point, value, direction, std::numeric_limits<double>::infinity(), instant);
+    return arriving(point, value, direction, std::numeric_limits<double>::infinity(), instant, glass_);
   }
 
   /// Adds to `sums` what all those point, spot and directional lights bring that are each asked. All spans of one
@@ -96,10 +108,10 @@ class DirectLight {
   }
 
  private:
-  Vec3f arriving(const SurfacePoint& point, Vec3f value, Vec3d direction, double dist,
-                 const SampleInstant& instant) const {
+  Vec3f arriving(const SurfacePoint& point, Vec3f value, Vec3d direction, double dist, const SampleInstant& instant,
+                 Glass glass) const {
     if (value == Vec3f{} || !is_finite(value)) return {};
-    return value * shadows_.open(point, direction, dist, instant);
+    return value * shadows_.open(point, direction, dist, instant, glass);
   }
 
   // Branches of a sample's key.
@@ -108,6 +120,7 @@ class DirectLight {
 
   const Lights& lights_;
   const ShadowRays& shadows_;
+  Glass glass_;
 };
 
 }  // namespace kairos

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 
 #include <kairos/scene.h>
 
@@ -23,6 +21,20 @@ inline double fresnel(double cosine, double eta) {
   return (parallel * parallel + perpendicular * perpendicular) / 2;
 }
 
+/// Of a mirror; both unit.
+inline Vec3d reflected(Vec3d direction, Vec3d normal) { return direction - normal * (2 * dot(direction, normal)); }
+
+/// eta: refractive index ahead over that behind; normal: towards where the ray comes from. The ray must not be totally
+/// reflected.
+inline Vec3d refracted(Vec3d direction, Vec3d normal, double eta) {
+  const double cosine = -dot(direction, normal);
+  const double inside = std::sqrt(std::max(0.0, 1 - (1 - cosine * cosine) / (eta * eta)));
+  return normalize(direction / eta + normal * (cosine / eta - inside));
+}
+
+/// The strongest of a colour's components.
+inline float largest(Vec3f c) { return std::max({c.x, c.y, c.z}); }
+
 /// Shares of the light from one direction: they sum to no more than 1 in each colour, and to 1 for a white surface.
 struct Reflectance {
   Vec3f diffuse;     ///< scattered evenly (Lambert)
@@ -32,13 +44,27 @@ struct Reflectance {
   double alpha = 1;  ///< width of the highlight: GGX's parameter
 };
 
-/// Rougher than this, nothing is a mirror any more.
+/// For paths: facets are a mirror, or clear glass, where GGX's parameter, the square of roughness, is below.
+inline constexpr double kSmoothest = 1e-3;
+
+/// Does what lets light through let it go straight on here?
+inline bool is_straight(const Material& material, const Look& look) {
+  const double roughness = look.roughness;
+  return material.transmission > 0 && material.thin_walled && roughness * roughness < kSmoothest;
+}
+
+/// In Whitted's shading: rougher than this, nothing is a mirror any more.
 inline constexpr float kRoughestMirror = 0.2f;
+
+/// The share that a layer of lacquer reflects.
+inline float clearcoat_reflects(const Material& material, double cosine) {
+  constexpr double kIor = 1.5;
+  return material.clearcoat * static_cast<float>(fresnel(cosine, kIor));
+}
 
 /// A layer of lacquer on what is there. A rough one has its highlight in the shape of what is below.
 inline void add_clearcoat(const Material& material, double cosine, Reflectance& r) {
-  constexpr double kIor = 1.5;
-  const float share = material.clearcoat * static_cast<float>(fresnel(cosine, kIor)), below = 1 - share;
+  const float share = clearcoat_reflects(material, cosine), below = 1 - share;
   const float smooth = std::max(0.0f, 1 - material.clearcoat_roughness / kRoughestMirror);
   const Vec3f white{1, 1, 1};
   r.mirror = r.mirror * below + white * (share * smooth);
@@ -47,14 +73,39 @@ inline void add_clearcoat(const Material& material, double cosine, Reflectance& 
   r.through = r.through * below;
 }
 
+/// The border of what is no metal.
+class Boundary {
+ public:
+  /// entering: the ray comes from outside of the surface.
+  Boundary(const Material& material, const Look& look, bool entering) : material_(material) {
+    const double ior = std::max(1.0f, material.ior);
+    const bool can_leave = material.transmission > 0 && !material.thin_walled;
+    eta_ = entering || !can_leave ? ior : 1 / ior;
+    const float glass = material.transmission, gloss = 1 - std::clamp(look.roughness, 0.0f, 1.0f);
+    strength_ = glass + gloss * (1 - glass);
+  }
+  /// Refractive index ahead over that behind.
+  double eta() const { return eta_; }
+  /// The share that it reflects. cosine: of the incoming ray with what it is reflected by, 0 to 1.
+  Vec3f reflects(double cosine) const {
+    double share = fresnel(cosine, eta_);
+    // Both faces of a thin wall, and what goes to and fro between them.
+    if (material_.thin_walled && material_.transmission > 0) share = 2 * share / (1 + share);
+    const Vec3f white{1, 1, 1};
+    const float coat = static_cast<float>(share) * strength_;
+    const auto grazing = static_cast<float>(std::pow(1 - cosine, 5));  // C. Schlick 1994
+    const Vec3f tint = (material_.specular_color + (white - material_.specular_color) * grazing) * material_.specular;
+    return {std::min(coat * tint.x, 1.0f), std::min(coat * tint.y, 1.0f), std::min(coat * tint.z, 1.0f)};
+  }
+
+ private:
+  const Material& material_;
+  double eta_;
+  float strength_;
+};
+
 /// cosine: between the normal and the viewer, 0 to 1. entering: the ray comes from outside of the surface.
 inline Reflectance reflectance(const Material& material, const Look& look, double cosine, bool entering) {
-  const double ior = std::max(1.0f, material.ior);
-  const bool can_leave = material.transmission > 0 && !material.thin_walled;
-  double fresnel_share = fresnel(cosine, entering || !can_leave ? ior : 1 / ior);
-  // Both faces of a thin wall, and what goes to and fro between them.
-  if (material.thin_walled && material.transmission > 0) fresnel_share = 2 * fresnel_share / (1 + fresnel_share);
-
   const float rough = std::clamp(look.roughness, 0.0f, 1.0f), gloss = 1 - rough;
   const float metal = std::clamp(look.metallic, 0.0f, 1.0f), other = 1 - metal;
   const float smooth = std::max(0.0f, 1 - rough / kRoughestMirror);
@@ -63,12 +114,10 @@ inline Reflectance reflectance(const Material& material, const Look& look, doubl
 
   const Vec3f base = look.base_colour, white{1, 1, 1};
   const Vec3f metal_colour = base + (white - base) * (grazing * gloss);
-  const float coat = static_cast<float>(fresnel_share) * (glass + gloss * (1 - glass));
   const float coat_mirror = glass + smooth * (1 - glass);
 
   // What the boundary of what is no metal reflects; the rest of the light goes on, less by the strongest colour of it.
-  const Vec3f tint = (material.specular_color + (white - material.specular_color) * grazing) * material.specular;
-  const Vec3f boundary{std::min(coat * tint.x, 1.0f), std::min(coat * tint.y, 1.0f), std::min(coat * tint.z, 1.0f)};
+  const Vec3f boundary = Boundary(material, look, entering).reflects(cosine);
   const float inwards = 1 - std::max({boundary.x, boundary.y, boundary.z});
 
   Reflectance r;
@@ -79,56 +128,6 @@ inline Reflectance reflectance(const Material& material, const Look& look, doubl
   r.alpha = std::max(rough, kRoughestMirror) * std::max(rough, kRoughestMirror);
   if (material.clearcoat > 0) add_clearcoat(material, cosine, r);
   return r;
-}
-
-/// Two unit vectors across a unit one and each other: T. Duff and others 2017.
-inline std::array<Vec3d, 2> axes_across(Vec3d n) {
-  const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
-  return {Vec3d{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, Vec3d{b, sign + n.y * n.y * a, -n.y}};
-}
-
-/// Distributed as the cosine over the hemisphere around `normal`.
-inline Vec3d cosine_direction(Vec3d normal, float u, float v) {
-  const double radius = std::sqrt(static_cast<double>(u)), angle = 2 * std::numbers::pi * static_cast<double>(v);
-  const auto [x, y] = axes_across(normal);
-  return normalize(x * (radius * std::cos(angle)) + y * (radius * std::sin(angle)) +
-                   normal * std::sqrt(std::max(0.0, 1 - static_cast<double>(u))));
-}
-
-/// GGX highlight (B. Walter and others 2007; height-correlated shadowing, E. Heitz 2014), without its reflectance, per
-/// steradian. All vectors unit; cosines with the normal positive.
-inline double highlight_lobe(Vec3d normal, Vec3d to_viewer, Vec3d to_light, double alpha) {
-  const Vec3d half = normalize(to_viewer + to_light);
-  const double n_h = std::max(0.0, dot(normal, half)), n_v = dot(normal, to_viewer), n_l = dot(normal, to_light);
-  const double a2 = alpha * alpha, slope = n_h * n_h * (a2 - 1) + 1;
-  const double spread = a2 / (std::numbers::pi * slope * slope);
-  const double shadowing = n_l * std::sqrt(n_v * n_v * (1 - a2) + a2) + n_v * std::sqrt(n_l * n_l * (1 - a2) + a2);
-  return shadowing > 0 ? spread / (2 * shadowing) : 0;
-}
-
-/// A direction in which the highlight shows light, by the normals that the viewer sees (E. Heitz 2018). u, v: uniform
-/// in [0, 1). May lie below the surface.
-inline Vec3d lobe_direction(Vec3d normal, Vec3d to_viewer, double alpha, float u, float v) {
-  const auto [x, y] = axes_across(normal);
-  const Vec3d view =
-      normalize(Vec3d{alpha * dot(x, to_viewer), alpha * dot(y, to_viewer), std::max(dot(normal, to_viewer), 1e-9)});
-  const double across = std::sqrt(view.x * view.x + view.y * view.y);
-  const Vec3d a = across > 0 ? Vec3d{-view.y / across, view.x / across, 0} : Vec3d{1, 0, 0}, b = cross(view, a);
-  const double radius = std::sqrt(static_cast<double>(u)), turn = 2 * std::numbers::pi * static_cast<double>(v);
-  const double p = radius * std::cos(turn), bend = (1 + view.z) / 2;
-  const double q = (1 - bend) * std::sqrt(std::max(0.0, 1 - p * p)) + bend * radius * std::sin(turn);
-  const Vec3d m = a * p + b * q + view * std::sqrt(std::max(0.0, 1 - p * p - q * q));
-  const Vec3d half = normalize(x * (alpha * m.x) + y * (alpha * m.y) + normal * std::max(m.z, 0.0));
-  return half * (2 * dot(half, to_viewer)) - to_viewer;
-}
-
-/// Of lobe_direction, per steradian. to_light on the side of the normal.
-inline double lobe_density(Vec3d normal, Vec3d to_viewer, Vec3d to_light, double alpha) {
-  const Vec3d half = normalize(to_viewer + to_light);
-  const double n_h = std::max(0.0, dot(normal, half)), n_v = std::max(dot(normal, to_viewer), 1e-9), a2 = alpha * alpha;
-  const double slope = n_h * n_h * (a2 - 1) + 1;
-  const double spread = a2 / (std::numbers::pi * slope * slope);
-  return spread / (2 * (n_v + std::sqrt(n_v * n_v * (1 - a2) + a2)));
 }
 
 }  // namespace kairos

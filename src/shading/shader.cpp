@@ -4,40 +4,46 @@
 #include <cmath>
 #include <utility>
 
+#include "shading/paths.h"
 #include "shading/smooth_joint.h"
 #include "shading/surface.h"
+#include "shading/whitted.h"
 
 namespace kairos {
 
 Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_depth,
-               std::shared_ptr<const DiscreteScene> discrete, bool want_variation)
+               std::shared_ptr<const DiscreteScene> discrete, bool want_variation, float clamp)
     : shot_(shot),
       looks_(std::make_unique<const Looks>(shot)),
-      sky_(std::make_unique<const Sky>(shot, kind == ShadingKind::whitted)),
+      sky_(std::make_unique<const Sky>(shot, kairos::is_lit(kind))),
       cone_(shot.projection),
       world_from_camera_(shot),
       kind_(kind),
       want_normal_(want_normal || kind == ShadingKind::normal) {
   cut_outs_ = std::make_shared<const AlphaCutOuts>(shot, *looks_);
   if (!cut_outs_->any()) cut_outs_.reset();
-  if (kind == ShadingKind::whitted) {
+  if (kairos::is_lit(kind)) {
     if (!discrete)
       discrete =
           std::make_shared<const DiscreteScene>(shot.meshes, DiscreteOptions{true, cut_outs_, 0, panes_of(shot)});
-    whitted_ = std::make_unique<const Whitted>(shot, *looks_, *sky_, std::move(discrete), cone_.spread(), max_depth);
+    if (kind == ShadingKind::path)
+      lit_ = std::make_unique<const Paths>(shot, *looks_, *sky_, std::move(discrete), cone_.spread(),
+                                           PathOptions{max_depth, clamp});
+    else
+      lit_ = std::make_unique<const Whitted>(shot, *looks_, *sky_, std::move(discrete), cone_.spread(), max_depth);
   }
   for (uint32_t m = 0; m < shot.meshes.size(); ++m) {
     const Mesh& mesh = shot.meshes[m];
     const bool still = mesh.is_static() && mesh.normal_key_count() < 2 && !shot.camera_moves;
-    varies_.push_back(whitted_ || ((want_normal_ || looks_->varies(m)) && !still));
-    is_even_.push_back(!whitted_ && (kind == ShadingKind::normal || !looks_->varies(m)));
+    varies_.push_back(lit_ || ((want_normal_ || looks_->varies(m)) && !still));
+    is_even_.push_back(!lit_ && (kind == ShadingKind::normal || !looks_->varies(m)));
   }
-  if (want_variation && want_normal_ && !whitted_) variation_ = ColourVariation(shot, world_from_camera_);
+  if (want_variation && want_normal_ && !lit_) variation_ = ColourVariation(shot, world_from_camera_);
 }
 
 bool Shader::joined(const Segment& first, const Segment& second) const {
   if (first.mesh != second.mesh) return false;
-  const JointNeeds needs{want_normal_ || whitted_, looks_->varies(first.mesh)};
+  const JointNeeds needs{want_normal_ || lit_, looks_->varies(first.mesh)};
   if (!needs.normals && !needs.looks) return true;  // of one colour all over
   if (first.front != second.front) return false;
   return first.triangle == second.triangle ||
@@ -65,7 +71,7 @@ Vec3f Shader::sky(const Ray& ray, float time) const {
 }
 
 Look Shader::look(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, double& width) const {
-  if (!looks_->varies(mesh) && !whitted_) return looks_->at(mesh, triangle, {}, {}, 0);
+  if (!looks_->varies(mesh) && !lit_) return looks_->at(mesh, triangle, {}, {}, 0);
   const std::array<Vec3d, 3> vertices = triangle_at(shot_.meshes[mesh], triangle, time);
   const std::array<float, 3> weights = barycentrics(vertices, ray);
   width = cone_.width_at(point_of(vertices, weights), ray);
@@ -95,6 +101,7 @@ Shade Shader::shade_unlit(const Ray& ray, uint32_t mesh, uint32_t triangle, floa
         shade.colour = material.lamp ? seen.emission : shade.colour + seen.emission;
       break;
     case ShadingKind::whitted:
+    case ShadingKind::path:
       break;
   }
   shade.colour = shot_.limited(shade.colour);
@@ -104,7 +111,11 @@ Shade Shader::shade_unlit(const Ray& ray, uint32_t mesh, uint32_t triangle, floa
 Shade Shader::shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, SampleKey key) const {
   double width = 0;
   Shade shade = shade_unlit(ray, mesh, triangle, time, width);
-  if (whitted_) shade.colour = shot_.limited(whitted_->radiance({ray, mesh, triangle, time, width, key}));
+  if (!lit_) return shade;
+  const ShadingQuery query{ray, mesh, triangle, time, width, key};
+  Vec3f colour;
+  lit_->radiance({&query, 1}, {&colour, 1});
+  shade.colour = shot_.limited(colour);
   return shade;
 }
 
@@ -113,12 +124,12 @@ void Shader::shade(std::span<ShadingQuery> queries, std::span<Shade> shades) con
     ShadingQuery& query = queries[i];
     shades[i] = shade_unlit(query.ray, query.mesh, query.triangle, query.time, query.width);
   }
-  if (!whitted_) return;
+  if (!lit_) return;
   constexpr size_t kAtOnce = 64;
   std::array<Vec3f, kAtOnce> colours;
   for (size_t begin = 0; begin < queries.size(); begin += kAtOnce) {
     const size_t count = std::min(kAtOnce, queries.size() - begin);
-    whitted_->radiance(queries.subspan(begin, count), std::span(colours).first(count));
+    lit_->radiance(queries.subspan(begin, count), std::span(colours).first(count));
     for (size_t i = 0; i < count; ++i) shades[begin + i].colour = shot_.limited(colours[i]);
   }
 }

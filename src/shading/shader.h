@@ -10,12 +10,14 @@
 #include <kairos/render.h>
 
 #include "camera/pixel_cone.h"
+#include "discrete/discrete_scene.h"
 #include "shading/camera_axes.h"
 #include "shading/colour_variation.h"
 #include "shading/cut_outs.h"
 #include "shading/light_points.h"
+#include "shading/lit_shading.h"
 #include "shading/looks.h"
-#include "shading/whitted.h"
+#include "shading/sky.h"
 
 namespace kairos {
 
@@ -29,11 +31,12 @@ struct Shade {
 class Shader {
  public:
   /// want_normal: fill Shade::normal even where the colour does not need it. discrete: discrete rays on the shot, for
-  /// Whitted shading; null: it makes them itself. want_variation: of normals too, which takes a look at all of them.
+  /// lit shading; null: it makes them itself. max_depth, clamp: see RenderParams. want_variation: of normals too, which
+  /// takes a look at all of them.
   Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_depth = 8,
-         std::shared_ptr<const DiscreteScene> discrete = nullptr, bool want_variation = false);
+         std::shared_ptr<const DiscreteScene> discrete = nullptr, bool want_variation = false, float clamp = 0);
 
-  /// time: shutter time at which the ray sees the triangle. key: only Whitted shading asks.
+  /// time: shutter time at which the ray sees the triangle. key: only lit shading asks.
   Shade shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, SampleKey key = {}) const;
   /// The same for several, which is cheaper for those of one pixel. Both spans of one length; widths are filled in.
   void shade(std::span<ShadingQuery> queries, std::span<Shade> shades) const;
@@ -43,7 +46,7 @@ class Shader {
     double width = 0;
     return shade_unlit(ray, mesh, triangle, time, width);
   }
-  bool is_lit() const { return whitted_ != nullptr; }
+  bool is_lit() const { return lit_ != nullptr; }
 
   /// False when all instants at which a ray sees one of the mesh's triangles look the same.
   bool varies(uint32_t mesh) const { return varies_[mesh]; }
@@ -84,15 +87,15 @@ class Shader {
   Shade shade_unlit(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, double& width) const;
 
   const Shot& shot_;
-  std::unique_ptr<const Looks> looks_;  // which whitted_ points to
+  std::unique_ptr<const Looks> looks_;  // which lit_ points to
   std::unique_ptr<const Sky> sky_;
   PixelCone cone_;
   CameraAxes world_from_camera_;
   std::shared_ptr<const AlphaCutOuts> cut_outs_;
-  std::unique_ptr<const Whitted> whitted_;  // where it is wanted
-  std::vector<bool> varies_;                // [mesh]
-  std::vector<bool> is_even_;               // [mesh]: nothing makes a difference, or nothing but normals
-  ColourVariation variation_;               // of these
+  std::unique_ptr<const LitShading> lit_;  // where it is wanted
+  std::vector<bool> varies_;               // [mesh]
+  std::vector<bool> is_even_;              // [mesh]: nothing makes a difference, or nothing but normals
+  ColourVariation variation_;              // of these
   ShadingKind kind_;
   bool want_normal_;
 };

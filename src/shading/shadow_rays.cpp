@@ -18,8 +18,6 @@ constexpr int kMostPanes = 32;
 constexpr float kDark = 1.0f / 512;
 constexpr size_t kTogether = 64;
 
-float largest_of(Vec3f c) { return std::max({c.x, c.y, c.z}); }
-
 }  // namespace
 
 std::vector<bool> panes_of(const Shot& shot) {
@@ -40,10 +38,11 @@ ShadowRays::Way ShadowRays::way_from(const SurfacePoint& point, Vec3d direction,
           length_there * kShadowEnd - point.offset};
 }
 
-Vec3f ShadowRays::open(const SurfacePoint& point, Vec3d direction, double dist, const SampleInstant& instant) const {
+Vec3f ShadowRays::open(const SurfacePoint& point, Vec3d direction, double dist, const SampleInstant& instant,
+                       Glass glass) const {
   const Way way = way_from(point, direction, dist);
   if (scene_->occluded(way.ray, instant.time, static_cast<float>(way.dist))) return {};
-  return scene_->has_panes() ? through_panes(way, point.width, instant) : Vec3f{1, 1, 1};
+  return scene_->has_panes() ? through_panes(way, point.width, instant, glass) : Vec3f{1, 1, 1};
 }
 
 void ShadowRays::open(std::span<const Query> queries, std::span<Vec3f> result) const {
@@ -83,37 +82,39 @@ Vec3f ShadowRays::through(const SurfacePoint& glass) const {
   return reflectance(*glass.material, glass.look, cosine, true).through;
 }
 
-Vec3f ShadowRays::through_panes(Way way, double width, const SampleInstant& instant) const {
+Vec3f ShadowRays::through_panes(Way way, double width, const SampleInstant& instant, Glass glass) const {
   Vec3f open{1, 1, 1};
-  for (int pane = 0; pane < kMostPanes; ++pane) {
+  for (int passed_panes = 0; passed_panes < kMostPanes; ++passed_panes) {
     if (!(way.dist > 0)) return open;
     const auto hit = scene_->intersect_panes(way.ray, instant.time, static_cast<float>(way.dist));
     if (!hit) return open;
-    const SurfacePoint glass = points_.at(way.ray, hit->mesh, hit->triangle, width, instant);
-    open = open * through(glass);
-    if (largest_of(open) < kDark) return {};
-    way = way_from(glass, to_double(way.ray.direction), way.dist - static_cast<double>(hit->dist));
+    const SurfacePoint pane = points_.at(way.ray, hit->mesh, hit->triangle, width, instant);
+    if (glass == Glass::bends && !is_straight(*pane.material, pane.look)) return {};
+    open = open * through(pane);
+    if (largest(open) < kDark) return {};
+    way = way_from(pane, to_double(way.ray.direction), way.dist - static_cast<double>(hit->dist));
   }
   return {};
 }
 
-std::optional<BeyondPanes> ShadowRays::look(const SurfacePoint& point, Vec3d direction,
-                                            const SampleInstant& instant) const {
+std::optional<BeyondPanes> ShadowRays::look(const SurfacePoint& point, Vec3d direction, const SampleInstant& instant,
+                                            Glass glass) const {
   BeyondPanes result{{}, {1, 1, 1}};
   Ray ray = point.ray(direction, point.side_of(direction));
   double passed = point.offset;
-  for (int pane = 0; pane < kMostPanes; ++pane) {
+  for (int passed_panes = 0; passed_panes < kMostPanes; ++passed_panes) {
     result.hit = scene_->intersect(ray, instant.time, std::numeric_limits<float>::infinity(), Facing::far_end);
     if (!result.hit) return result;
     if (!(looks_.material(result.hit->mesh).transmission > 0)) {
       result.hit->dist += static_cast<float>(passed);
       return result;
     }
-    const SurfacePoint glass = points_.at(ray, result.hit->mesh, result.hit->triangle, point.width, instant);
-    result.open = result.open * through(glass);
-    if (largest_of(result.open) < kDark) return std::nullopt;
-    passed += static_cast<double>(result.hit->dist) + 2 * glass.offset;
-    ray = glass.ray(direction, -1);
+    const SurfacePoint pane = points_.at(ray, result.hit->mesh, result.hit->triangle, point.width, instant);
+    if (glass == Glass::bends && !is_straight(*pane.material, pane.look)) return std::nullopt;
+    result.open = result.open * through(pane);
+    if (largest(result.open) < kDark) return std::nullopt;
+    passed += static_cast<double>(result.hit->dist) + 2 * pane.offset;
+    ray = pane.ray(direction, -1);
   }
   return std::nullopt;
 }

@@ -16,6 +16,12 @@ namespace kairos {
 /// [mesh]: lets light through, as DiscreteOptions asks.
 std::vector<bool> panes_of(const Shot& shot);
 
+/// How light goes through glass on a shadow ray's way.
+enum class Glass {
+  straight,  ///< straight through all of it
+  bends,     ///< through what bends or scatters it not at all: such light must be found another way
+};
+
 /// What a straight ray meets beyond panes.
 struct BeyondPanes {
   std::optional<DiscreteHit> hit;  ///< none: it leaves the scene. dist: from the point it started at
@@ -31,7 +37,8 @@ class ShadowRays {
       : looks_(looks), points_(points), scene_(std::move(scene)) {}
 
   /// Which part of the light gets through to the point. dist: of the light.
-  Vec3f open(const SurfacePoint& point, Vec3d direction, double dist, const SampleInstant& instant) const;
+  Vec3f open(const SurfacePoint& point, Vec3d direction, double dist, const SampleInstant& instant,
+             Glass glass = Glass::straight) const;
 
   struct Query {
     const SurfacePoint* point;
@@ -43,7 +50,8 @@ class ShadowRays {
   void open(std::span<const Query> queries, std::span<Vec3f> result) const;
 
   /// The first thing that is no pane. Nothing if it is dark behind too many of them.
-  std::optional<BeyondPanes> look(const SurfacePoint& point, Vec3d direction, const SampleInstant& instant) const;
+  std::optional<BeyondPanes> look(const SurfacePoint& point, Vec3d direction, const SampleInstant& instant,
+                                  Glass glass = Glass::straight) const;
 
   const DiscreteScene& scene() const { return *scene_; }
 
@@ -55,7 +63,7 @@ class ShadowRays {
   };
   /// From the point to where something lies, `dist` along `direction`; the ray starts a little off the surface.
   static Way way_from(const SurfacePoint& point, Vec3d direction, double dist);
-  Vec3f through_panes(Way way, double width, const SampleInstant& instant) const;
+  Vec3f through_panes(Way way, double width, const SampleInstant& instant, Glass glass = Glass::straight) const;
   /// Of light that comes through a face of glass, straight.
   Vec3f through(const SurfacePoint& glass) const;
 

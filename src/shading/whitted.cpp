@@ -6,7 +6,9 @@
 #include <limits>
 #include <numbers>
 #include <utility>
-#include <vector>
+
+#include "shading/first_points.h"
+#include "shading/microfacets.h"
 
 namespace kairos {
 
@@ -16,48 +18,30 @@ namespace {
 constexpr float kLeastWeight = 1.0f / 512;
 // Branches of a sample's key, beside those of DirectLight.
 constexpr uint64_t kEnvironmentBranch = 12, kMirrorBranch = 13, kThroughBranch = 14, kScatterBranch = 16;
-// Samples that are shaded together.
-constexpr size_t kMostQueries = 64;
-
-float largest(Vec3f c) { return std::max({c.x, c.y, c.z}); }
-Vec3d reflected(Vec3d direction, Vec3d normal) { return direction - normal * (2 * dot(direction, normal)); }
-
-/// eta: refractive index ahead over that behind; normal: towards where the ray comes from. The ray must not be totally
-/// reflected.
-Vec3d refracted(Vec3d direction, Vec3d normal, double eta) {
-  const double cosine = -dot(direction, normal);
-  const double inside = std::sqrt(std::max(0.0, 1 - (1 - cosine * cosine) / (eta * eta)));
-  return normalize(direction / eta + normal * (cosine / eta - inside));
-}
 
 Reflectance shares_at(const SurfacePoint& p) {
+  if (!is_lit(p)) return {};
   return reflectance(*p.material, p.look, std::clamp(dot(p.normal, p.to_viewer), 0.0, 1.0), p.entering);
 }
 
-bool is_lit(const SurfacePoint& point) { return point.face != Vec3d{} && !point.material->unlit; }
-
 }  // namespace
 
-Whitted::Scatter::Scatter(const SurfacePoint& point, const Reflectance& shares)
-    : normal_(point.normal),
-      face_(point.face),
-      to_viewer_(point.to_viewer),
-      diffuse_(shares.diffuse),
-      highlight_(shares.highlight),
-      alpha_(shares.alpha) {
-  const auto even = static_cast<double>(largest(diffuse_)), bright = static_cast<double>(largest(highlight_));
+Whitted::Scatter::Scatter(const SurfacePoint& point)
+    : normal_(point.normal), face_(point.face), to_viewer_(point.to_viewer), shares_(shares_at(point)) {
+  const auto even = static_cast<double>(largest(shares_.diffuse)),
+             bright = static_cast<double>(largest(shares_.highlight));
   is_dark_ = !(even + bright > 0);
   by_cosine_ = is_dark_ ? 1 : even / (even + bright);
   // In the middle of the highlight it is brighter than all the rest: highlight / (4 pi alpha^2) against diffuse / pi.
-  is_sharp_ = bright > 4 * alpha_ * alpha_ * even;
+  is_sharp_ = bright > 4 * shares_.alpha * shares_.alpha * even;
 }
 
 Vec3f Whitted::Scatter::value(Vec3d direction) const {
   const double cosine = dot(normal_, direction);
   if (!(cosine > 0) || !(dot(face_, direction) > 0)) return {};
-  Vec3f value = diffuse_ * static_cast<float>(1 / std::numbers::pi);
-  if (highlight_ != Vec3f{})
-    value += highlight_ * static_cast<float>(highlight_lobe(normal_, to_viewer_, direction, alpha_));
+  Vec3f value = shares_.diffuse * static_cast<float>(1 / std::numbers::pi);
+  if (shares_.highlight != Vec3f{})
+    value += shares_.highlight * static_cast<float>(highlight_lobe(normal_, to_viewer_, direction, shares_.alpha));
   return value * static_cast<float>(cosine);
 }
 
@@ -65,13 +49,13 @@ double Whitted::Scatter::density(Vec3d direction) const {
   const double cosine = dot(normal_, direction);
   if (!(cosine > 0)) return 0;
   const double even = by_cosine_ * cosine / std::numbers::pi;
-  return by_cosine_ < 1 ? even + (1 - by_cosine_) * lobe_density(normal_, to_viewer_, direction, alpha_) : even;
+  return by_cosine_ < 1 ? even + (1 - by_cosine_) * lobe_density(normal_, to_viewer_, direction, shares_.alpha) : even;
 }
 
 Vec3d Whitted::Scatter::direction(const std::array<float, 3>& sample) const {
   return static_cast<double>(sample[2]) < by_cosine_
              ? cosine_direction(normal_, sample[0], sample[1])
-             : lobe_direction(normal_, to_viewer_, alpha_, sample[0], sample[1]);
+             : lobe_direction(normal_, to_viewer_, shares_.alpha, sample[0], sample[1]);
 }
 
 Whitted::Whitted(const Shot& shot, const Looks& looks, const Sky& sky, std::shared_ptr<const DiscreteScene> scene,
@@ -84,54 +68,26 @@ Whitted::Whitted(const Shot& shot, const Looks& looks, const Sky& sky, std::shar
       max_depth_(max_depth) {}
 
 void Whitted::radiance(std::span<const ShadingQuery> queries, std::span<Vec3f> colours) const {
-  std::vector<SampleInstant> instants;
-  std::vector<SurfacePoint> points;
-  std::vector<Reflectance> shares;
-  std::vector<Scatter> scatters;
-  std::vector<Vec3f> punctual(std::min(queries.size(), kMostQueries));
-  for (size_t begin = 0; begin < queries.size(); begin += kMostQueries) {
-    const auto some = queries.subspan(begin, std::min(kMostQueries, queries.size() - begin));
-    instants.clear();
-    points.clear();
-    shares.clear();
-    scatters.clear();
-    for (const ShadingQuery& query : some) {
-      instants.push_back(points_.instant(query.time));
-      points.push_back(points_.at(query.ray, query.mesh, query.triangle, query.width, instants.back()));
-      shares.push_back(is_lit(points.back()) ? shares_at(points.back()) : Reflectance{});
-      scatters.emplace_back(points.back(), shares.back());
-    }
-    std::fill(punctual.begin(), punctual.end(), Vec3f{});
-    direct_.add_asked(points, scatters, instants, std::span(punctual).first(some.size()));
-    for (size_t i = 0; i < some.size(); ++i) {
-      const Vec3f colour =
-          shade(some[i].ray, points[i], shares[i], scatters[i], punctual[i], instants[i], some[i].key, 0, 1);
-      colours[begin + i] = is_finite(colour) ? colour : Vec3f{};
-    }
-  }
-}
-
-Vec3f Whitted::radiance(const ShadingQuery& query) const {
-  const SampleInstant instant = points_.instant(query.time);
-  const SurfacePoint point = points_.at(query.ray, query.mesh, query.triangle, query.width, instant);
-  const Vec3f colour = shade(query.ray, point, instant, query.key, 0, 1);
-  return is_finite(colour) ? colour : Vec3f{};
+  shade_together(queries, colours, points_, direct_,
+                 [&](const ShadingQuery& query, const SurfacePoint& point, const Scatter& scatter, Vec3f punctual,
+                     const SampleInstant& instant) {
+                   return shade(query.ray, point, scatter, punctual, instant, query.key, 0, 1);
+                 });
 }
 
 Vec3f Whitted::shade(const Ray& ray, const SurfacePoint& point, const SampleInstant& instant, SampleKey key, int depth,
                      float weight) const {
-  const Reflectance shares = is_lit(point) ? shares_at(point) : Reflectance{};
-  const Scatter scatter(point, shares);
+  const Scatter scatter(point);
   Vec3f punctual{};
   direct_.add_asked({&point, 1}, {&scatter, 1}, {&instant, 1}, {&punctual, 1});
-  return shade(ray, point, shares, scatter, punctual, instant, key, depth, weight);
+  return shade(ray, point, scatter, punctual, instant, key, depth, weight);
 }
 
-Vec3f Whitted::shade(const Ray& ray, const SurfacePoint& point, const Reflectance& shares, const Scatter& scatter,
-                     Vec3f punctual, const SampleInstant& instant, SampleKey key, int depth, float weight) const {
+Vec3f Whitted::shade(const Ray& ray, const SurfacePoint& point, const Scatter& scatter, Vec3f punctual,
+                     const SampleInstant& instant, SampleKey key, int depth, float weight) const {
   if (point.face == Vec3d{}) return {};  // no area
   if (point.material->unlit) return point.look.base_colour;
-  Vec3f colour = point.look.emission + punctual + by_chance(point, shares, scatter, instant, key);
+  Vec3f colour = point.look.emission + punctual + by_chance(point, scatter, instant, key);
   if (depth >= max_depth_) return colour;
   const Vec3d along = normalize(to_double(ray.direction));
   const auto follow = [&](Vec3f share, Vec3d direction, double side, uint64_t branch) {
@@ -141,6 +97,7 @@ Vec3f Whitted::shade(const Ray& ray, const SurfacePoint& point, const Reflectanc
   };
   Vec3d mirrored = reflected(along, point.normal);
   if (!(dot(mirrored, point.face) > 0)) mirrored = reflected(along, point.face);
+  const Reflectance& shares = scatter.shares();
   follow(shares.mirror, mirrored, 1, kMirrorBranch);
   const double ior = std::max(1.0f, point.material->ior);
   const double eta = point.material->thin_walled ? 1 : point.entering ? ior : 1 / ior;
@@ -158,8 +115,8 @@ Vec3f Whitted::from(const Ray& ray, double width, const SampleInstant& instant, 
   return shade(ray, points_.at(ray, hit->mesh, hit->triangle, there, instant), instant, key, depth, weight);
 }
 
-Vec3f Whitted::by_chance(const SurfacePoint& point, const Reflectance& shares, const Scatter& scatter,
-                         const SampleInstant& instant, SampleKey key) const {
+Vec3f Whitted::by_chance(const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant,
+                         SampleKey key) const {
   if (scatter.is_dark()) return {};
   AreaLights::View view(lights_.areas(), point.position, point.normal, instant.time);
   Vec3f colour = direct_.by_choice(point, scatter, instant, view, key);
@@ -168,7 +125,7 @@ Vec3f Whitted::by_chance(const SurfacePoint& point, const Reflectance& shares, c
     const Vec3d direction = cosine_direction(point.normal, sample[0], sample[1]);
     if (dot(point.face, direction) > 0) {
       const Vec3f open = shadows_.open(point, direction, std::numeric_limits<double>::infinity(), instant);
-      colour += (shares.diffuse + shares.highlight) * lights_.environment() * open;
+      colour += (scatter.shares().diffuse + scatter.shares().highlight) * lights_.environment() * open;
     }
   }
   return colour + by_scattering(point, scatter, instant, view, key);

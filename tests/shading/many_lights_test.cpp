@@ -7,8 +7,10 @@
 
 #include "discrete/discrete_scene.h"
 #include "seed.h"
+#include "shading/microfacets.h"
 #include "shading/reflectance.h"
 #include "shading/shader.h"
+#include "shading/shadow_rays.h"
 #include "shading/spherical_triangle.h"
 #include "whitted_scene.h"
 

@@ -8,6 +8,7 @@
 #include "seed.h"
 #include "shading/reflectance.h"
 #include "shading/shader.h"
+#include "shading/shadow_rays.h"
 #include "whitted_scene.h"
 
 namespace kairos {
@@ -400,7 +401,7 @@ TEST(Whitted, PicturesAreTheSameForAnyNumberOfThreadsAndAnyCrop) {
   for (const IntegratorKind kind : {IntegratorKind::tc, IntegratorKind::qmc, IntegratorKind::mixed}) {
     RenderParams params;
     params.integrator = kind;
-    params.shading = ShadingKind::whitted;
+    params.shading = kind == IntegratorKind::mixed ? ShadingKind::path : ShadingKind::whitted;
     params.tc_rays = 4;
     params.spp = 8;
     params.threads = 1;

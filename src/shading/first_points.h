@@ -1,0 +1,49 @@
+// What the first surfaces that rays from the camera see have in common to be shaded: several at a time.
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "shading/direct_light.h"
+#include "shading/lit_shading.h"
+#include "shading/surface_point.h"
+
+namespace kairos {
+
+/// Are surfaces with this point lit at all? Those without area and those that show their own colour in any light are
+/// not.
+inline bool is_lit(const SurfacePoint& point) { return point.face != Vec3d{} && !point.material->unlit; }
+
+/// Calls colour_of(query, point, scatter, punctual, instant) for each query and keeps what it returns, if that is
+/// finite. Scatter: see DirectLight; made of a point. punctual: what point, spot and directional lights that are each
+/// asked bring, whose shadow rays have gone through the scene together.
+template <class Scatter, class ColourOf>
+void shade_together(std::span<const ShadingQuery> queries, std::span<Vec3f> colours, const SurfacePoints& surfaces,
+                    const DirectLight<Scatter>& direct, const ColourOf& colour_of) {
+  constexpr size_t kTogether = 64;
+  std::vector<SampleInstant> instants;
+  std::vector<SurfacePoint> points;
+  std::vector<Scatter> scatters;
+  points.reserve(std::min(queries.size(), kTogether));  // scatters may point to them
+  std::vector<Vec3f> punctual(std::min(queries.size(), kTogether));
+  for (size_t begin = 0; begin < queries.size(); begin += kTogether) {
+    const auto some = queries.subspan(begin, std::min(kTogether, queries.size() - begin));
+    instants.clear();
+    points.clear();
+    scatters.clear();
+    for (const ShadingQuery& query : some) {
+      instants.push_back(surfaces.instant(query.time));
+      points.push_back(surfaces.at(query.ray, query.mesh, query.triangle, query.width, instants.back()));
+      scatters.emplace_back(points.back());
+    }
+    std::fill(punctual.begin(), punctual.end(), Vec3f{});
+    direct.add_asked(points, scatters, instants, std::span(punctual).first(some.size()));
+    for (size_t i = 0; i < some.size(); ++i) {
+      const Vec3f colour = colour_of(some[i], points[i], scatters[i], punctual[i], instants[i]);
+      colours[begin + i] = is_finite(colour) ? colour : Vec3f{};
+    }
+  }
+}
+
+}  // namespace kairos

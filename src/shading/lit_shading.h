@@ -1,0 +1,32 @@
+// How lit surfaces get their colour: the interface of Whitted's shading and of path tracing.
+#pragma once
+
+#include <span>
+
+#include <kairos/render.h>
+
+#include "shading/light_points.h"
+
+namespace kairos {
+
+/// What a ray from the camera sees, and how it is to be shaded.
+struct ShadingQuery {
+  Ray ray;
+  uint32_t mesh = 0, triangle = 0;
+  float time = 0;    ///< of the shutter
+  double width = 0;  ///< of the ray's cone where it meets the triangle
+  SampleKey key;
+};
+
+/// Safe to use from many threads at once.
+class LitShading {
+ public:
+  virtual ~LitShading() = default;
+
+  /// Light that leaves the triangles towards the rays' origins: one sample of it for each query, whose expectation is
+  /// the answer. What is traced on the way are discrete rays at the query's time; those from one pixel to one light go
+  /// through the scene together. Both spans of one length. Colours are finite.
+  virtual void radiance(std::span<const ShadingQuery> queries, std::span<Vec3f> colours) const = 0;
+};
+
+}  // namespace kairos
