@@ -21,14 +21,14 @@ inline bool is_lit(const SurfacePoint& point) { return point.face != Vec3d{} && 
 template <class Scatter, class ColourOf>
 void shade_together(std::span<const ShadingQuery> queries, std::span<Vec3f> colours, const SurfacePoints& surfaces,
                     const DirectLight<Scatter>& direct, const ColourOf& colour_of) {
-  constexpr size_t kTogether = 64;
+  constexpr size_t kQueriesAtOnce = 64;
   std::vector<SampleInstant> instants;
   std::vector<SurfacePoint> points;
   std::vector<Scatter> scatters;
-  points.reserve(std::min(queries.size(), kTogether));  // scatters may point to them
-  std::vector<Vec3f> punctual(std::min(queries.size(), kTogether));
-  for (size_t begin = 0; begin < queries.size(); begin += kTogether) {
-    const auto some = queries.subspan(begin, std::min(kTogether, queries.size() - begin));
+  points.reserve(std::min(queries.size(), kQueriesAtOnce));  // scatters may point to them
+  std::vector<Vec3f> punctual(std::min(queries.size(), kQueriesAtOnce));
+  for (size_t begin = 0; begin < queries.size(); begin += kQueriesAtOnce) {
+    const auto some = queries.subspan(begin, std::min(kQueriesAtOnce, queries.size() - begin));
     instants.clear();
     points.clear();
     scatters.clear();

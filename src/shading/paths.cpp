@@ -13,12 +13,12 @@ namespace kairos {
 namespace {
 
 // Branches of a sample's key, beside those of DirectLight.
-constexpr uint64_t kScatterBranch = 16, kBehindBranch = 18, kBounceBranch = 19, kPassBranch = 20;
+constexpr uint64_t kWayBranch = 16, kBehindBranch = 18, kBounceBranch = 19, kPassBranch = 20;
 constexpr uint64_t kRouletteDimension = 5;
 // From this many bounces on, chance ends paths that have little to bring.
 constexpr int kSureBounces = 3;
 // Thin walls that a path goes straight through on one of its ways.
-constexpr int kMostPanes = 32;
+constexpr int kMostWalls = 32;
 
 }  // namespace
 
@@ -66,7 +66,7 @@ bool Paths::passes(const SurfacePoint& point, SampleKey key, Vec3f& weight) {
 
 std::optional<SurfacePoint> Paths::next(Ray ray, double width, const SampleInstant& instant, SampleKey key,
                                         Vec3f& weight) const {
-  for (int pane = 0; pane < kMostPanes; ++pane) {
+  for (int pane = 0; pane < kMostWalls; ++pane) {
     const auto hit = shadows_.scene().intersect(ray, instant.time);
     if (!hit) return std::nullopt;
     width += cone_spread_ * static_cast<double>(hit->dist);
@@ -155,7 +155,7 @@ Vec3f Paths::trace(const Ray& ray, const SurfacePoint& first, const Scattering& 
     Vec3f& sum = depth == 0 ? direct : bounced;
     Sides sides(lights_.areas(), *point, instant.time);
     sum += weight * (punctual + found(*point, *scatter, instant, sides, key));
-    const auto sample = scatter->sample(light_point(key.branch(kScatterBranch)));
+    const auto sample = scatter->sample(light_point(key.branch(kWayBranch)));
     if (!sample || (sample->is_sharp() && is_last)) break;
     weight = weight * sample->weight;
     const bool light_goes_apart = has_one_sided_ && !sample->is_sharp();

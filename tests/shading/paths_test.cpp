@@ -76,7 +76,7 @@ SurfacePoint point_on(const Material& material, Vec3d to_viewer, bool entering) 
   return point;
 }
 
-Vec3d anywhere(std::mt19937& random) {
+Vec3d any_direction(std::mt19937& random) {
   std::uniform_real_distribution<double> number(-1, 1);
   const double z = number(random), turn = M_PI * number(random), across = std::sqrt(1 - z * z);
   return {across * std::cos(turn), across * std::sin(turn), z};
@@ -88,12 +88,12 @@ TEST(Scattering, SamplesAreWhatTheirDensitySays) {
   std::uniform_real_distribution<float> number(0, 1);
   for (const Material& material : materials())
     for (const bool entering : {true, false}) {
-      Vec3d viewer = anywhere(random);
+      Vec3d viewer = any_direction(random);
       viewer.z = std::abs(viewer.z) + 0.4;  // lobes seen along the surface are too narrow for even sampling
       const SurfacePoint point = point_on(material, normalize(viewer), entering);
       const Scattering scatter(point);
       // Integrals over all directions of value, and of value times a smooth weight that tells directions apart.
-      const Vec3d axis = anywhere(random);
+      const Vec3d axis = any_direction(random);
       constexpr int kSamples = 20000;
       Vec3d by_sampling, evenly;
       double squares = 0, even_squares = 0, likely = 0, likely_squares = 0;
@@ -104,7 +104,7 @@ TEST(Scattering, SamplesAreWhatTheirDensitySays) {
           by_sampling += to_double(sample->weight) * weight;
           squares += std::pow(static_cast<double>(sample->weight.x) * weight, 2);
         }
-        const Vec3d direction = anywhere(random);
+        const Vec3d direction = any_direction(random);
         const Vec3d value = to_double(scatter.value(direction)) * (4 * M_PI * (1 + dot(axis, direction)));
         evenly += value;
         even_squares += value.x * value.x;
@@ -124,7 +124,7 @@ TEST(Scattering, NoSurfaceGivesMoreThanItGets) {
   std::mt19937 random(test::seed());
   std::uniform_real_distribution<float> number(0, 1);
   for (const Material& material : materials()) {
-    Vec3d viewer = anywhere(random);
+    Vec3d viewer = any_direction(random);
     viewer.z = std::abs(viewer.z) + 0.05;
     const SurfacePoint point = point_on(material, normalize(viewer), true);
     const Scattering scatter(point);
