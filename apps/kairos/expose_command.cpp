@@ -185,7 +185,8 @@ std::vector<PictureJob> jobs_of(const ExposeArguments& arguments, const TimeFram
 }
 
 void run_expose(const ExposeArguments& arguments) {
-  const TimeFile file = TimeFile::open(arguments.file);
+  const bool once = !arguments.frames && arguments.stack == 0 && arguments.page.empty();
+  const TimeFile file = once ? TimeFile::open(arguments.file, 0) : TimeFile::open(arguments.file);
   const TimePicture& picture = file.picture();
   if (!file.info().finished)
     say(arguments, fmt::format("warning: {}: is not finished, {} of {} tiles are there; the others stay black",

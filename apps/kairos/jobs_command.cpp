@@ -50,7 +50,8 @@ std::vector<std::string> merge_arguments(const JobsArguments& arguments) {
   std::vector<std::string> words = {"merge", "--clean"};
   const std::vector<std::string> outs = outs_of(arguments);
   words.insert(words.begin() + 1, outs.begin(), outs.end());
-  if (!frames.empty()) words.insert(words.end(), {"--frames", frames});
+  const bool of_one_file = !value_of(arguments.render, {"--time"}).empty();  // of all frames
+  if (!frames.empty() && !of_one_file) words.insert(words.end(), {"--frames", frames});
   return words;
 }
 

@@ -81,8 +81,9 @@ struct TimeFileInfo {
 class KAIROS_API TimeFile {
  public:
   /// Throws Error(io) when it cannot be read, Error(bad_input) for another kind of file and a damaged one. `picture`
-  /// throws these too, for tiles that turn out to be damaged.
-  static TimeFile open(const std::string& path);
+  /// throws these too, for tiles that turn out to be damaged. kept_bytes: of unpacked tiles, which are kept for what is
+  /// exposed next; who exposes once is faster with 0.
+  static TimeFile open(const std::string& path, uint64_t kept_bytes = uint64_t{4} << 30);
 
   const TimeFileInfo& info() const { return info_; }
   const TimePicture& picture() const { return picture_; }

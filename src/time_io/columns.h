@@ -2,10 +2,12 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 namespace kairos {
@@ -47,6 +49,35 @@ class ColumnReader {
       put(i, number);
     }
     in_ = in_.subspan(count * sizeof(Number));
+  }
+
+  /// Several columns, of which the numbers of an element are put together: put(i, numbers). see(numbers): of a column,
+  /// several at a time. Compilers make fast code of short loops over many numbers.
+  template <class Number, size_t kColumns, class See, class Put>
+  void columns(size_t count, const See& see, const Put& put) {
+    using Bits = std::conditional_t<sizeof(Number) == 2, uint16_t, uint32_t>;
+    static_assert(sizeof(Number) == sizeof(Bits));
+    constexpr size_t kBlock = 256;
+    std::array<std::array<Number, kBlock>, kColumns> block;
+    for (size_t first = 0; first < count; first += kBlock) {
+      const size_t size = std::min(kBlock, count - first);
+      for (size_t c = 0; c < kColumns; ++c) {
+        const uint8_t* const bytes = in_.data() + c * sizeof(Number) * count + first;
+        for (size_t i = 0; i < size; ++i) {
+          Bits bits = bytes[i];
+          for (size_t b = 1; b < sizeof(Number); ++b)
+            bits = static_cast<Bits>(bits | static_cast<Bits>(bytes[b * count + i]) << (8 * b));
+          block[c][i] = std::bit_cast<Number>(bits);
+        }
+        see(std::span<const Number>(block[c]).first(size));
+      }
+      for (size_t i = 0; i < size; ++i) {
+        std::array<Number, kColumns> numbers;
+        for (size_t c = 0; c < kColumns; ++c) numbers[c] = block[c][i];
+        put(first + i, numbers);
+      }
+    }
+    in_ = in_.subspan(count * kColumns * sizeof(Number));
   }
 
  private:

@@ -32,11 +32,14 @@ bool read_values(ColumnReader& in, size_t count, PieceValues<Number>& values) {
   bool finite = true;
   for (auto* ends : {&values.left, &values.step}) {
     ends->resize(count);
-    for (size_t c = 0; c < 4; ++c)
-      in.column<Number>(count, [&](size_t i, Number number) {
-        (*ends)[i][c] = number;
-        finite &= is_number(number);
-      });
+    in.columns<Number, 4>(
+        count,
+        [&](std::span<const Number> numbers) {
+          unsigned bad = 0;
+          for (const Number number : numbers) bad |= is_number(number) ? 0u : 1u;
+          finite &= bad == 0;
+        },
+        [&](size_t i, const Four<Number>& four) { (*ends)[i] = four; });
   }
   return finite;
 }

@@ -23,8 +23,6 @@ namespace kairos {
 
 namespace {
 
-constexpr size_t kMostKeptBytes = size_t{4} << 30;  // of tiles, unpacked
-
 /// Closes a file that nobody has taken over.
 struct Descriptor {
   int file;
@@ -40,7 +38,7 @@ struct Descriptor {
 class TimeFile::Tiles : public TimeTiles {
  public:
   Tiles(int file, std::string path, TileGrid grid, const FileDescription& description,
-        std::span<const IndexEntry> entries)
+        std::span<const IndexEntry> entries, uint64_t most_kept)
       : file_(file),
         path_(std::move(path)),
         grid_(grid),
@@ -50,7 +48,8 @@ class TimeFile::Tiles : public TimeTiles {
         has_objects_(description.objects),
         geometry_bytes_(description.geometry_bytes),
         slabs_(description.slabs),
-        exact_(description.tolerance == 0) {
+        exact_(description.tolerance == 0),
+        most_kept_(most_kept) {
     std::vector<size_t> there(grid.count());  // [tile]: its slabs
     for (const IndexEntry& entry : entries) {
       entries_.emplace(key_of(entry.head), entry);
@@ -156,8 +155,7 @@ class TimeFile::Tiles : public TimeTiles {
       return read;
     }));
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (kept_ + tile->memory_bytes() <= kMostKeptBytes && tiles_.emplace(key, tile).second)
-      kept_ += tile->memory_bytes();
+    if (kept_ + tile->memory_bytes() <= most_kept_ && tiles_.emplace(key, tile).second) kept_ += tile->memory_bytes();
     return tile;
   }
 
@@ -202,10 +200,10 @@ class TimeFile::Tiles : public TimeTiles {
   std::mutex mutex_;                                                                // of what follows
   std::map<std::pair<uint32_t, uint32_t>, std::shared_ptr<const TimeTile>> tiles_;  // of slab and tile
   std::vector<std::unique_ptr<TilePacker>> packers_;
-  size_t kept_ = 0;  // bytes
+  uint64_t most_kept_, kept_ = 0;  // bytes
 };
 
-TimeFile TimeFile::open(const std::string& path) {
+TimeFile TimeFile::open(const std::string& path, uint64_t kept_bytes) {
   const auto damaged = [&](const char* what) { return Error(ErrorCode::bad_input, path, what); };
   Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
   struct stat status {};
@@ -261,7 +259,7 @@ TimeFile TimeFile::open(const std::string& path) {
         plane == planes[0] && std::all_of(planes.begin(), planes.end(), [&, s = slab, t = tile](auto p) {
           return known.contains({p, s, t});
         });
-  auto tiles = std::make_shared<Tiles>(file.release(), path, grid, description, entries);
+  auto tiles = std::make_shared<Tiles>(file.release(), path, grid, description, entries, kept_bytes);
   return {info, TimePicture(std::move(description.frame), tiles), tiles, path};
 }
 

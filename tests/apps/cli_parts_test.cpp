@@ -318,6 +318,8 @@ echo 17
   const CliResult job = run("jobs openjd " + options + " --parts 3");
   for (const std::string text : {"range: \"1-3\"", "- \"a b.exr\"", "{{Task.Param.Part}}/3", "dependsOn: Render"})
     EXPECT_NE(job.out.find(text), std::string::npos) << job.out;
+  const CliResult frames = run("jobs slurm --parts 2 scene.json --time e.ktime --frames 2-4");
+  EXPECT_NE(frames.out.find("kairos merge e.ktime --clean\n"), std::string::npos) << "of many frames, one file";
   EXPECT_EQ(run("jobs slurm scene.json --parts 3").status, 2) << "writes nothing";
   EXPECT_EQ(run("jobs slurm " + options + " --parts 3 --part 1/2").status, 2);
   EXPECT_EQ(run("jobs make " + options + " --parts 3").status, 2);
