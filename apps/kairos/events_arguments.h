@@ -25,7 +25,8 @@ struct EventsArguments {
   bool has_layout = false;    ///< the first of `outs` is a folder
   EventFolderOptions folder;  ///< of it
   std::vector<std::string> outs;
-  std::optional<Part> part;  ///< of the recording that is to be `outs`
+  std::optional<Part> part;          ///< of the recording that is to be `outs`
+  std::optional<double> checkpoint;  ///< seconds
   ProgressStyle progress = ProgressStyle::automatic;
   bool quiet = false;
 };

@@ -13,6 +13,7 @@
 
 #include "commands.h"
 #include "events_arguments.h"
+#include "events_checkpoint.h"
 #include "events_commands.h"
 #include "frame_mark.h"
 #include "interrupt.h"
@@ -91,8 +92,9 @@ std::string mark_of_part(const EventsArguments& arguments, const CLI::App& comma
   if (arguments.light.environment) files.push_back(arguments.light.environment->path);
   for (const std::string& sensor : command.get_option("--sensor")->results())
     if (sensor.ends_with(".json")) files.push_back(sensor);
-  return frame_mark(command, {"SCENE", "--output", "--environment", "--threads", "--quiet", "--part", "--progress"},
-                    files);
+  return frame_mark(
+      command, {"SCENE", "--output", "--environment", "--threads", "--quiet", "--part", "--progress", "--checkpoint"},
+      files);
 }
 
 /// Records rows of pixels into a file of the folder of parts.
@@ -177,7 +179,15 @@ void run_events(const EventsArguments& arguments, const CLI::App& command, const
               folder ? &*folder : nullptr);
   const Stopwatch recording;
   EventStats stats;
-  with_bar(arguments, [&](const Progress& progress) { stats = record_events(*scene, options, files, progress); });
+  std::optional<EventCheckpoints> checkpoints;
+  if (arguments.checkpoint) {
+    checkpoints.emplace(arguments.outs.front(), mark_of_part(arguments, command, *scene), *arguments.checkpoint,
+                        options.labels, files);
+    options.resume = checkpoints->resume(options.shot.width, options.shot.height);
+    if (!options.resume.empty()) say("going on with " + arguments.outs.front() + ".unfinished");
+  }
+  EventSink& sink = checkpoints ? static_cast<EventSink&>(*checkpoints) : files;
+  with_bar(arguments, [&](const Progress& progress) { stats = record_events(*scene, options, sink, progress); });
   files.finish();
   for (const std::string& note : stats.notes) say("note: " + note);
   const double seconds = options.to - options.from;
@@ -197,6 +207,7 @@ void run_events(const EventsArguments& arguments, const CLI::App& command, const
     write_event_notes(path + "/recording.json", options, stats, command_line);
     say(fmt::format("wrote {}: pictures, depth, flow and poses in {:.1f} s", path, rendering.seconds()));
   }
+  if (checkpoints) checkpoints->remove();
   for (const std::string& path : paths) {
     if (arguments.part)
       write_event_part_notes(path, options, stats, command_line, file, mark);
@@ -241,6 +252,17 @@ void add_record_options(CLI::App& command, EventsArguments& arguments) {
           "--part", [&arguments](const std::string& text) { arguments.part = parse_part("--part", text); },
           "Record part I of N, some rows of pixels, to be merged (kairos merge); of a Slurm array, the task's part")
       ->type_name("I/N|slurm");
+  command
+      .add_option_function<std::string>(
+          "--checkpoint",
+          [&arguments](const std::string& text) {
+            const double seconds = parse_real("--checkpoint", text);
+            if (seconds < 0) throw CLI::ValidationError("--checkpoint", "give 0 or more seconds");
+            arguments.checkpoint = seconds;
+          },
+          "Keep what is done, at least every so many seconds: when it is killed, the same command goes on")
+      ->type_name("SECONDS")
+      ->excludes("--part");
   add_progress_option(command, arguments.progress);
   command.add_flag("--quiet", arguments.quiet, "No log and no progress, errors only");
 }

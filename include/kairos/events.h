@@ -102,6 +102,9 @@ struct EventOptions {
   double chunk = 0.5;
   std::optional<Crop> crop;  ///< the pixels that are recorded: their events are those of a recording of all
   bool labels = false;       ///< tells the sink what made each pixel fire: EventSink::add_labelled
+  /// Goes on where a recording of the same scene with the same options, on a machine of the same kind, was when it said
+  /// this (EventSink::end_chunk): the sink gets what follows. Empty: from the beginning.
+  std::vector<uint8_t> resume = {};
   /// Changes the shot of each chunk, before it is rendered.
   std::function<void(Shot&)> change_shot = {};
 };
@@ -116,6 +119,9 @@ class KAIROS_API EventSink {
   virtual void add_labelled(std::span<const Event> events, [[maybe_unused]] std::span<const EventLabel> labels) {
     add(events);
   }
+  /// At the end of each chunk, when all of its events have been added. state: the bytes by which the recording can go
+  /// on from here (EventOptions::resume).
+  virtual void end_chunk([[maybe_unused]] const std::function<std::vector<uint8_t>()>& state) {}
 };
 
 /// Of a recording.

@@ -1,6 +1,7 @@
 // What a pixel's rays see, when, and in which colours: what integrators hand over, and to whom.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -95,17 +96,26 @@ struct RecordNeeds {
   Time time = Time::box;
   bool normal = false, albedo = false;  ///< KnotSurface's; what nobody needs is zero
   /// Above 0: colours over time are free of noise. Each ray is shaded with the same random numbers at all times, at
-  /// least once in every cell of the grid of shading samples and halfway between, and as often as it takes for straight
-  /// lines to leave no channel farther off than this part of (luminance + dark). What jumps does so within 2^-19 of the
-  /// shutter. Only together with Time::segments.
+  /// least twice in every cell of the grid of shading samples, and as often as it takes for straight
+  /// lines to leave no channel farther off than this part of (luminance + dark). What jumps by fifty times as much does
+  /// so within 2^-11 of a cell, and what jumps by less within as much more. Only together with Time::segments.
   float contrast = 0;
   float dark = 0;
+  /// Shutter times: what is seen before and after is looked at where something else is seen, and no more often.
+  float looks_begin = 0, looks_end = 1;
 
   bool surfaces() const { return normal || albedo; }
   bool over_time() const { return time != Time::box; }
   friend RecordNeeds operator|(const RecordNeeds& a, const RecordNeeds& b) {
-    const RecordNeeds& finer = b.contrast > 0 && !(a.contrast > 0 && a.contrast < b.contrast) ? b : a;
-    return {a.time < b.time ? b.time : a.time, a.normal || b.normal, a.albedo || b.albedo, finer.contrast, finer.dark};
+    RecordNeeds both = b.contrast > 0 && !(a.contrast > 0 && a.contrast < b.contrast) ? b : a;
+    both.time = a.time < b.time ? b.time : a.time;
+    both.normal = a.normal || b.normal;
+    both.albedo = a.albedo || b.albedo;
+    if (a.contrast > 0 && b.contrast > 0) {
+      both.looks_begin = std::min(a.looks_begin, b.looks_begin);
+      both.looks_end = std::max(a.looks_end, b.looks_end);
+    }
+    return both;
   }
 };
 

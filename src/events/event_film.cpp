@@ -47,6 +47,8 @@ EventFilm::EventFilm(const Shot& shot, const LightClock& clock, const EventOptio
     : options_(options), clock_(clock), edges_(shot), sensor_(sensor), states_(states) {
   needs_.time = RecordNeeds::Time::segments;
   needs_.contrast = static_cast<float>(kChordShare * std::min(options.sensor.on, options.sensor.off));
+  needs_.looks_begin = static_cast<float>(clock.shutter_time(clock.begin));
+  needs_.looks_end = static_cast<float>(clock.shutter_time(clock.end));
   needs_.dark = static_cast<float>(options.sensor.dark * options.sensor.white);
 }
 

@@ -27,6 +27,22 @@ Vec3f colour_at(std::span<const Knot> knots, float time) {
 
 }  // namespace
 
+PixelIntensity::Ramp::Ramp(double when, double height, double own_rate, double begins_at, double reach,
+                           const Coverage& of, size_t by)
+    : time(when), jump(height), rate(own_rate), start(begins_at), near(reach / 2), coverage(of), turn(by) {
+  const double side = rate * near;  // what is left of its way, in the other half of the reach
+  rate_before = std::max(rate, (coverage.outer() + start - side) / (reach - near));
+  rate_after = std::max(rate, (coverage.outer() - start - side) / (reach - near));
+  begin = this->when(-coverage.outer());
+  end = this->when(coverage.outer());
+}
+
+double PixelIntensity::Ramp::when(double at_way) const {
+  const double past = at_way - start, side = rate * near;
+  if (std::abs(past) <= side) return time + past / rate;
+  return past < 0 ? time - near + (past + side) / rate_before : time + near + (past - side) / rate_after;
+}
+
 double PixelIntensity::light(const Vec3f& colour) const {
   const Vec3f parts = colour * channels_;
   const double sum = static_cast<double>(parts.x) + static_cast<double>(parts.y) + static_cast<double>(parts.z);
@@ -144,9 +160,7 @@ void PixelIntensity::join(const PixelRay& ray, size_t sight) {
   };
   const double start = edge->normal.x * past_middle(ray.film.x) + edge->normal.y * past_middle(ray.film.y);
   const Coverage coverage(edge->normal.x, edge->normal.y);
-  ramps_.push_back(
-      {time, share_ * jump, rate, start, std::max(time + (-coverage.outer() - start) / rate, time - clock_.reach),
-       std::min(time + (coverage.outer() - start) / rate, time + clock_.reach), coverage, turns_.size() - 1});
+  ramps_.emplace_back(time, share_ * jump, rate, start, clock_.reach, coverage, turns_.size() - 1);
 }
 
 /// The sum over rays and ramps. within: an instant of the piece that `time` belongs to; cursors_ and active_ fit it.
@@ -174,10 +188,9 @@ void PixelIntensity::cut() {
     add_cut(ramp.time);
     add_cut(ramp.begin);
     add_cut(ramp.end);
-    for (const double way : {-ramp.coverage.inner(), ramp.coverage.inner()}) {
-      const double time = ramp.time + (way - ramp.start) / ramp.rate;
+    for (const double time : {ramp.when(-ramp.coverage.inner()), ramp.when(ramp.coverage.inner()),
+                              ramp.time - ramp.near, ramp.time + ramp.near})
       if (ramp.begin < time && time < ramp.end) add_cut(time);
-    }
   }
   std::sort(cuts_.begin(), cuts_.end());
   pieces_.clear();

@@ -87,18 +87,29 @@ class PixelIntensity {
     double change, most;  // most: of a single ray, which saw `sight` of the surface
     size_t sight;
   };
-  /// In place of a jump, over the time in which the edge passes the ray's cell.
+  /// In place of a jump, over the time in which the edge passes the ray's cell. An edge that is too slow to be followed
+  /// all over it does the rest of its way faster, at both ends: in steps all of that would happen at once.
   struct Ramp {
     double time;  // seconds, at which the ray itself jumps
     double jump;
-    double rate, start;  // cells a second; cells past the middle, at `time`
-    double begin, end;   // seconds, in which it differs from the jump
+    double rate, start;              // cells a second; cells past the middle, at `time`
+    double near;                     // seconds: within so much of `time` the rate is the edge's own
+    double rate_before, rate_after;  // before and after that
+    double begin, end;               // seconds, in which it differs from the jump
     Coverage coverage;
     size_t turn;
 
-    double at(double now, bool jumped) const {
-      return jump * (coverage.at(start + rate * (now - time)) - (jumped ? 1 : 0));
+    /// reach: seconds for which it may be followed, before and after `when`.
+    Ramp(double when, double height, double own_rate, double begins_at, double reach, const Coverage& of, size_t by);
+
+    /// How far the edge is past the cell's middle.
+    double way(double now) const {
+      const double since = now - time, outside = std::abs(since) - near;
+      if (outside <= 0) return start + rate * since;
+      return since < 0 ? start - rate * near - rate_before * outside : start + rate * near + rate_after * outside;
     }
+    double when(double at_way) const;  ///< it is there
+    double at(double now, bool jumped) const { return jump * (coverage.at(way(now)) - (jumped ? 1 : 0)); }
     double done(double now) const { return now < begin ? 0 : now > end ? jump : at(now, false); }
   };
 

@@ -8,6 +8,7 @@
 #include <kairos/events.h>
 
 #include "events/event_film.h"
+#include "events/recording_state.h"
 
 namespace kairos {
 
@@ -91,14 +92,16 @@ EventStats record_events(const Scene& scene, const EventOptions& options, EventS
   params.crop = options.crop;
   params.aovs.clear();
 
-  EventStats stats;
-  const EventPixels sensor(options.sensor, params.seed);
-  std::optional<PixelStates> states;
-  EventBatch late;
-  std::set<std::string> told;
   const auto first = static_cast<int64_t>(std::floor(options.from / options.chunk));
+  RecordingState state;
+  state.next_chunk = first;
+  if (!options.resume.empty()) state = parse_recording(options.resume);
+  EventStats& stats = state.stats;
+  PixelStates& states = state.pixels;
+  const EventPixels sensor(options.sensor, params.seed);
+  std::set<std::string> told;
   const auto after = std::max(static_cast<int64_t>(std::ceil(options.to / options.chunk)), first + 1);
-  for (int64_t chunk = first; chunk < after; ++chunk) {
+  for (int64_t chunk = state.next_chunk; chunk < after; ++chunk) {
     const LightClock clock = clock_of(options, chunk);
     if (!(clock.begin < clock.end)) continue;  // by rounding
     const Shot shot = shot_of(scene, options, clock);
@@ -107,8 +110,10 @@ EventStats record_events(const Scene& scene, const EventOptions& options, EventS
         if (chunk == first && told.insert(note).second) stats.notes.push_back(note);
     if (options.labels && chunk == first)
       for (const Mesh& mesh : shot.meshes) stats.meshes.push_back(mesh.name);
-    if (!states) states.emplace(shot.projection.width, shot.projection.height);
-    EventFilm film(shot, clock, options, sensor, *states);
+    if (states.pixels.empty()) states = PixelStates(shot.projection.width, shot.projection.height);
+    if (states.width != shot.projection.width || states.height != shot.projection.height)
+      throw Error(ErrorCode::bad_input, "", "the unfinished recording is of a sensor of another size");
+    EventFilm film(shot, clock, options, sensor, states);
     RenderStats render_stats;
     PixelConsumer* const consumer = &film;
     const auto done = static_cast<double>(chunk - first), count = static_cast<double>(after - first);
@@ -117,13 +122,13 @@ EventStats record_events(const Scene& scene, const EventOptions& options, EventS
     Renderer(shot).render(params, {&consumer, 1}, &render_stats, of_chunk);
     // The last of a burst at the very end may be stamped later than the next chunk's first.
     EventBatch batch = film.take();
-    batch.append(late);
+    batch.append(state.late);
     batch.sort();
     std::vector<Event>& events = batch.events;
     const auto chunk_end = static_cast<int64_t>(std::floor(clock.end * 1e9));
     const auto first_late =
         chunk + 1 == after ? events.end() : std::lower_bound(events.begin(), events.end(), Event{chunk_end, 0, 0, 0});
-    late = batch.split(static_cast<size_t>(first_late - events.begin()));
+    state.late = batch.split(static_cast<size_t>(first_late - events.begin()));
     for (const Event& event : events) {
       ++(event.polarity > 0 ? stats.on : stats.off);
       stats.leak += event.kind == EventKind::leak;
@@ -133,8 +138,8 @@ EventStats record_events(const Scene& scene, const EventOptions& options, EventS
       sink.add_labelled(events, batch.labels);
     else
       sink.add(events);
-    stats.width = states->width;
-    stats.height = states->height;
+    stats.width = states.width;
+    stats.height = states.height;
     const LightCounts counts = film.counts();
     stats.edges += counts.edges;
     stats.steps += counts.steps;
@@ -142,6 +147,8 @@ EventStats record_events(const Scene& scene, const EventOptions& options, EventS
     stats.rays += render_stats.rays;
     stats.shading_samples += render_stats.shading_samples;
     stats.cpu_seconds += render_stats.render_cpu_seconds;
+    state.next_chunk = chunk + 1;
+    sink.end_chunk([&] { return recording_bytes(state); });
   }
   return stats;
 }

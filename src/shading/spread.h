@@ -19,7 +19,8 @@ struct ShadingOptions {
   Clusters clusters = Clusters::on;  ///< not automatic
   bool over_time = false;  ///< colours as functions of time, each at its own instants; not with Clusters::pixel
   TimeGrid grid{8};
-  float contrast = 0, dark = 0;  ///< see RecordNeeds
+  float contrast = 0, dark = 0;  ///< these and what follows: see RecordNeeds
+  float looks_begin = 0, looks_end = 1;
 };
 inline Clusters clusters_of(const RenderParams& params) {
   return params.clusters == Clusters::automatic ? Clusters::pixel : params.clusters;
@@ -39,7 +40,7 @@ inline ShadingOptions shading_options(const Shot& shot, const RenderParams& para
   Clusters clusters = clusters_of(params);
   if (needs.over_time() && clusters == Clusters::pixel)
     clusters = Clusters::on;  // of a pixel's rays, at other instants
-  return {samples, clusters, needs.over_time(), grid, needs.contrast, needs.dark};
+  return {samples, clusters, needs.over_time(), grid, needs.contrast, needs.dark, needs.looks_begin, needs.looks_end};
 }
 
 /// The end of the cluster that begins with segment `first`: of the longest run of segments that touch and of which

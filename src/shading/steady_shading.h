@@ -18,7 +18,11 @@ namespace kairos {
 /// One thread's scratch memory. See RecordNeeds::contrast.
 class SteadyShading {
  public:
-  SteadyShading(const Shader& shader, const ShadingOptions& options) : shader_(shader), options_(options) {}
+  SteadyShading(const Shader& shader, const ShadingOptions& options)
+      : shader_(shader),
+        options_(options),
+        half_cell_(0.5f * (options.grid.time_at(1) - options.grid.time_at(0))),
+        jump_(kJump * 2 * half_cell_) {}
 
   /// Appends the parts of ray `index` of a pixel to `out`: one for each segment, or for each layer of what is seen
   /// through blended surfaces. Returns the number of evaluations.
@@ -40,8 +44,10 @@ class SteadyShading {
 
  private:
   static constexpr uint64_t kSteadyDimension = 7;  // beside those of other samples
-  /// A change within so short a part of the shutter is a jump.
-  static constexpr float kShortest = 0x1p-19f;
+  /// A change by so many times what straight lines may be off by, within so short a part of a cell, is a jump. Smaller
+  /// ones may take as much longer: what lies between the jump and the line in its place stays the same.
+  static constexpr float kThreshold = 50, kJump = 0x1p-11f;
+  static constexpr float kShortest = 0x1p-19f;  // of the shutter: no jump is known better
   /// Of a segment: more are spent on noise, which no number of them would follow.
   static constexpr uint32_t kMostRefined = 4096;
 
@@ -87,18 +93,17 @@ class SteadyShading {
     instants_.clear();
     // Half-open: at its very end something else is seen.
     const float latest = std::max(begin, std::nextafter(end, 0.0f));
-    const TimeGrid& grid = options_.grid;
     if (!(sky ? shader_.sky_varies() : shader_.varies(seen.mesh)) || !(begin < latest)) {
       instants_.push_back(look(begin));
     } else {
       refined_ = 0;
       Instant before = look(begin);
       instants_.push_back(before);
-      for (double cell = std::floor(grid.place(begin)) + 1; before.time < latest; ++cell) {
-        const float time = std::min(grid.time_at(cell), latest);
-        if (!(before.time < time)) continue;
-        const Instant after = look(time);
-        refine(before, after, true, look);
+      while (before.time < latest) {
+        const bool early = before.time < options_.looks_begin, late = before.time >= options_.looks_end;
+        const float next = early ? options_.looks_begin : late ? latest : next_cell(before.time);
+        const Instant after = look(std::min(next, latest));
+        if (!early && !late) refine(before, after, true, look);
         instants_.push_back(after);
         before = after;
       }
@@ -113,6 +118,12 @@ class SteadyShading {
     out.add_part(part);
   }
 
+  /// When the next cell of the grid begins.
+  float next_cell(float time) const {
+    for (double cell = std::floor(options_.grid.place(time)) + 1;; ++cell)
+      if (const float next = options_.grid.time_at(cell); time < next) return next;
+  }
+
   struct Instant {
     float time;
     Shade shade;
@@ -122,8 +133,12 @@ class SteadyShading {
   /// first: nothing is known of what happens between the two; later, what is the same on both sides has been there.
   template <class Look>
   void refine(const Instant& before, const Instant& after, bool first, const Look& look) {
-    if (after.time - before.time < kShortest || refined_ >= kMostRefined) return;
-    if (!first && is_near(after.shade.colour - before.shade.colour, before.shade.colour)) return;
+    const float length = after.time - before.time;
+    if (length < kShortest || refined_ >= kMostRefined) return;
+    const float off = times_off(after.shade.colour - before.shade.colour, before.shade.colour);
+    // What comes and goes within half a cell may be missed.
+    const bool known = !first || length <= half_cell_;
+    if (known && (off <= 1 || off * length < kThreshold * jump_)) return;
     const float time = before.time + 0.5f * (after.time - before.time);
     if (!(before.time < time && time < after.time)) return;
     ++refined_;
@@ -135,16 +150,18 @@ class SteadyShading {
   }
 
   bool is_straight(Vec3f before, Vec3f middle, Vec3f after) const {
-    return is_near(middle - (before + after) * 0.5f, middle);
+    return times_off(middle - (before + after) * 0.5f, middle) <= 1;
   }
-  bool is_near(Vec3f off, Vec3f colour) const {
+  /// In units of what straight lines may be off by.
+  float times_off(Vec3f off, Vec3f colour) const {
     const float bright = 0.2126f * colour.x + 0.7152f * colour.y + 0.0722f * colour.z;  // Rec. 709
-    return std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) <=
-           options_.contrast * (std::max(bright, 0.0f) + options_.dark);
+    return std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) /
+           (options_.contrast * (std::max(bright, 0.0f) + options_.dark));
   }
 
   const Shader& shader_;
   ShadingOptions options_;
+  float half_cell_, jump_;  // shutter time
   SampleKey key_{};
   Layers layers_;
   std::vector<float> opacities_;  // [blended hit], halfway through

@@ -142,6 +142,24 @@ TEST(Events, OfAStraightEdgeHaveExactStampsForAnyNumberOfRays) {
   }
 }
 
+TEST(Events, OfEdgesThatAreTooSlowToBeFollowedDoNotComeAllAtOnce) {
+  std::mt19937 random(test::seed());
+  const auto uniform = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  FlyingEdge edge;
+  edge.angle = uniform(0, 6.28);
+  edge.speed = uniform(1, 3);  // over a cell in several tenths of a second, of which a twentieth is followed
+  edge.begin = uniform(-1, 0);
+  edge.before = 0.05f;
+  edge.after = 1;
+  EventOptions options = flat_options(1);
+  Collector collector;
+  record_events(*edge.scene(), options, collector);
+  EXPECT_GT(collector.events.size(), 30u);
+  for (const auto& [pixel, events] : collector.by_pixel())
+    for (size_t i = 1; i < events.size(); ++i)
+      EXPECT_GT(events[i].time - events[i - 1].time, 10000) << "pixel " << pixel.first << ' ' << pixel.second;
+}
+
 /// Triangles that fly in front of the camera, each of one colour.
 struct FlyingTriangles {
   struct One {
@@ -491,6 +509,45 @@ TEST(Events, OptionsOutOfRangeAreRefusedInOneLine) {
   refused([](EventOptions& o) { o.sensor.on = 0; }, "thresholds");
   refused([](EventOptions& o) { o.sensor.dark = std::nan(""); }, "dark");
   refused([](EventOptions& o) { o.sensor.bayer = "RGBW"; }, "Bayer");
+}
+
+/// Keeps, besides, what each chunk says at its end.
+class ChunkKeeper : public Collector {
+ public:
+  void end_chunk(const std::function<std::vector<uint8_t>()>& state) override {
+    states.push_back(state());
+    counts.push_back(events.size());
+  }
+  std::vector<std::vector<uint8_t>> states;
+  std::vector<size_t> counts;  // of events so far
+};
+
+TEST(Events, GoOnWhereARecordingWasCutOff) {
+  const uint32_t seed = test::seed();
+  std::mt19937 random(seed);
+  const auto scene = FlyingTriangles(random).scene();
+  EventOptions options = flat_options(4);
+  options.chunk = 0.125;
+  options.labels = true;
+  options.sensor = *event_sensor("v2e-noisy");
+  options.sensor.refractory = 1e-3;
+  ChunkKeeper whole;
+  const EventStats stats = record_events(*scene, options, whole);
+  ASSERT_EQ(whole.states.size(), 8u);
+  const size_t cut = random() % 7;
+  options.resume = whole.states[cut];
+  Collector rest;
+  const EventStats both = record_events(*scene, options, rest);
+  EXPECT_EQ(both.on, stats.on);
+  EXPECT_EQ(both.meshes, stats.meshes);
+  const auto begin = whole.events.begin() + static_cast<std::ptrdiff_t>(whole.counts[cut]);
+  EXPECT_GT(rest.events.size(), 0u);
+  EXPECT_EQ(rest.events, std::vector<Event>(begin, whole.events.end()));
+  EXPECT_EQ(rest.labels.size(), rest.events.size());
+  // What was kept may have been damaged.
+  const size_t size = random() % options.resume.size();
+  options.resume.resize(std::max<size_t>(size, 1));
+  expect_error([&] { record_events(*scene, options, rest); }, {"unfinished", "broken"});
 }
 
 }  // namespace
