@@ -7,6 +7,7 @@
 
 #include "integrators/packet_choice.h"
 #include "policy/allotment.h"
+#include "policy/race.h"
 #include "policy/sample_spread.h"
 
 namespace kairos {
@@ -17,6 +18,7 @@ struct FramePlan {
   // Of the integrators mixed and auto.
   RayPrices prices;
   Allotment allotment{1, {}};          ///< of the budget, where things move
+  std::optional<Race> race;            ///< of lit pictures: decides in place of the allotment, where there was one
   std::optional<SampleSpread> spread;  ///< of pixels with discrete samples alone; unset: all get the budget
 };
 

@@ -10,6 +10,8 @@
 // PixelRecord::still.
 #include <mutex>
 
+#include <kairos/picture.h>
+
 #include "base/parallel.h"
 #include "discrete/discrete_scene.h"
 #include "integrators/contrast.h"
@@ -49,6 +51,10 @@ constexpr size_t kLooksPerTask = 64;
 constexpr uint32_t kShareRays = 4;
 constexpr uint64_t kShareSeed = 0x5741;  // tells their random numbers from those of other rays
 
+/// One in so many of the pixels looked at is raced in: four times the budget each, so a fiftieth of the picture's time.
+constexpr size_t kLooksPerRace = 3;
+constexpr uint64_t kRaceSeed = 0x5261;
+
 class MixedIntegrator : public Integrator {
  public:
   MixedIntegrator(ShotParts& parts, const RenderParams& params, const PixelContext& context)
@@ -59,6 +65,8 @@ class MixedIntegrator : public Integrator {
         budget_(static_cast<uint32_t>(std::max(params.spp, automatic_ ? 1 : params.tc_rays))),
         fixed_plan_{static_cast<uint32_t>(params.tc_rays), budget_},
         share_points_(SamplerKind::owen_sobol, kShareRays, hash(params.seed, kShareSeed)),
+        race_points_{Sampler(params.sampler, context.sampler.count(), hash(params.seed, kRaceSeed, 0)),
+                     Sampler(params.sampler, context.sampler.count(), hash(params.seed, kRaceSeed, 1))},
         shading_(shading_options(parts.shot(), params, context.needs)),
         mask_(parts.motion_mask(context.filter.radius(), params.crop)),
         scene_(parts.discrete(params.discrete_keys)),
@@ -104,12 +112,14 @@ class MixedIntegrator : public Integrator {
     const Projection& frame = shot_.projection;
     const uint64_t pixels = static_cast<uint64_t>(frame.width) * static_cast<uint64_t>(frame.height);
     if (pixels < kLeastPixels) return;
+    will_race_ = automatic_ && is_lit(params_.shading) && !context_.needs.over_time();
     const auto count = static_cast<uint32_t>(std::clamp<uint64_t>(pixels / kPixelsPerLook, kLeastLooks, kMostLooks));
     const std::vector<LookPixel> places = look_pixels(frame);
     struct Look {
       PixelLook pixel;
       int x = 0, y = 0;
       bool tc_possible = false;
+      double still_rays = 0;  // beside them, as a share of the budget
     };
     std::vector<Look> looks(count);
     std::mutex mutex;  // of stats
@@ -121,6 +131,7 @@ class MixedIntegrator : public Integrator {
         look.y = places[i].y;
         look.tc_possible = worker.begin_pixel(look.x, look.y, monitor).tc_rays > 0;
         look.pixel = worker.look_at(look.x, look.y, monitor);
+        if (will_race_ && look.tc_possible) look.still_rays = worker.still_rays_share(look.x, look.y);
       }
       const std::lock_guard<std::mutex> lock(mutex);
       worker.add_ray_counts(stats);
@@ -128,18 +139,46 @@ class MixedIntegrator : public Integrator {
     // What discrete samples are worth in the pixels that could have time-continuous rays instead, and then the rule for
     // those that do not.
     std::vector<PixelLook> all, rivals, discrete;
+    double still_rays = 0;
     for (const Look& look : looks) {
       all.push_back(look.pixel);
       if (look.tc_possible) rivals.push_back(look.pixel);
+      still_rays += look.still_rays;
     }
     const uint32_t first = first_samples(budget_), most = most_samples(budget_);
-    if (automatic_)
-      frame_.allotment =
-          Allotment(budget_, frame_.prices, SampleSpread(first, most, budget_, all).gain(budget_, rivals));
+    if (automatic_) {
+      const double gain = SampleSpread(first, most, budget_, all).gain(budget_, rivals);
+      const double still_share = will_race_ && !rivals.empty() ? still_rays / static_cast<double>(rivals.size()) : 1;
+      frame_.allotment = Allotment(budget_, frame_.prices, gain, still_share);
+      if (will_race_ && frame_.allotment.buys_tc()) {
+        std::vector<LookPixel> racing;
+        for (size_t i = 0; i < looks.size(); i += kLooksPerRace)
+          if (looks[i].tc_possible) racing.push_back({looks[i].x, looks[i].y});
+        frame_.spread.emplace(first, most, budget_, rivals);
+        race(racing, monitor);
+        frame_.spread.reset();
+      }
+      will_race_ = false;
+    }
     for (const Look& look : looks)
       if (!look.tc_possible || plan(look.x, look.y).tc_rays == 0) discrete.push_back(look.pixel);
     if (discrete.size() >= kLeastLooksSeen) frame_.spread.emplace(first, most, budget_, discrete);
   }
+
+  /// Rays of races are not counted: they would not be those of the picture.
+  void race(const std::vector<LookPixel>& pixels, Monitor& monitor) {
+    std::vector<RaceErrors> errors(pixels.size());
+    parallel_for(pixels.size(), kLooksPerTask, [&](size_t begin, size_t end) {
+      MixedWorker worker(*this);
+      for (size_t i = begin; i < end; ++i) errors[i] = worker.race(pixels[i].x, pixels[i].y, monitor);
+    });
+    Race& race = frame_.race.emplace();
+    for (size_t i = 0; i < pixels.size(); ++i)
+      race.add(speed(pixels[i].x, pixels[i].y), errors[i].tc, errors[i].discrete);
+  }
+
+  /// Pixels that something moves by while this one looks.
+  double speed(int x, int y) const { return mask_.speed(x, y) * static_cast<double>(context_.times(x, y).duration()); }
 
   /// May a pixel get time-continuous rays? Who needs exact segments needs them everywhere.
   bool is_over_time(int x, int y) const {
@@ -150,14 +189,21 @@ class MixedIntegrator : public Integrator {
     if (!automatic_) return fixed_plan_;
     if (context_.needs.over_time()) return frame_.allotment.plan_over_time(dither(x, y));
     if (!still_layer_is_empty_ && budget_ < kLeastForStill) return {0, budget_};
-    return frame_.allotment.plan(mask_.speed(x, y) * static_cast<double>(context_.times(x, y).duration()),
-                                 dither(x, y));
+    if (will_race_) return frame_.allotment.plan_over_time(dither(x, y));
+    if (frame_.race)
+      return frame_.race->tc_wins(speed(x, y)) ? frame_.allotment.plan_over_time(dither(x, y)) : PixelPlan{0, budget_};
+    return frame_.allotment.plan(speed(x, y), dither(x, y));
   }
 
   /// Of a discrete sample, where nothing moves and where something does.
   double sample_price(DiscreteLayer layer) const {
     return layer == DiscreteLayer::all ? 1 : std::clamp(frame_.prices.still_ray, kLeastPrice, 1.0);
   }
+
+  /// Squared, of a pixel.
+  struct RaceErrors {
+    double tc = 0, discrete = 0;
+  };
 
   class MixedWorker : public Worker {
    public:
@@ -194,6 +240,40 @@ class MixedIntegrator : public Integrator {
       contrast_.begin_pixel();
       contrast_.add(record_, 0);
       return {contrast_.square(), integrator_.sample_price(layer)};
+    }
+
+    /// How many still rays a pixel takes beside time-continuous ones, as a share of the budget.
+    double still_rays_share(int x, int y) {
+      if (integrator_.still_layer_is_empty_) return 0;
+      const double share = find_still_share(x, y);
+      return share > 0 ? static_cast<double>(still_rays({1, integrator_.budget_}, share)) / integrator_.budget_ : 0;
+    }
+
+    /// By both kinds of ray for the same price.
+    RaceErrors race(int x, int y, Monitor& monitor) {
+      const PixelPlan plan = integrator_.frame_.allotment.plan_over_time(dither(x, y));
+      std::array<Vec3f, 2> tc, discrete;
+      for (size_t half = 0; half < 2; ++half) {
+        const Sampler::Pixel pixel = integrator_.race_points_[half].pixel(x, y);
+        const auto begin = [&] { record_.begin_pixel(x, y, context_.background, context_.times(x, y).window()); };
+        align_ = align_points(integrator_.mask_, x, y);
+        still_layer_.begin_pixel(x, y, pixel, align_);
+        begin();
+        render_moving(x, y, pixel, plan, monitor);
+        tc[half] = reduce(record_.finish(), {}, false).colour;
+        begin();
+        render_discrete(x, y, pixel, DiscreteLayer::all, monitor);
+        discrete[half] = reduce(record_.finish(), {}, false).colour;
+      }
+      const auto error = [](const std::array<Vec3f, 2>& pair) {
+        double sum = 0;  // as a display shows them
+        for (int c = 0; c < 3; ++c) {
+          const double a = std::clamp(pair[0][c], 0.0f, 1.0f), b = std::clamp(pair[1][c], 0.0f, 1.0f);
+          sum += (a - b) * (a - b) / 2;
+        }
+        return sum;
+      };
+      return {error(tc), error(discrete)};
     }
 
     /// What the pixel gets.
@@ -328,6 +408,7 @@ class MixedIntegrator : public Integrator {
   uint32_t budget_;       // samples of a pixel
   PixelPlan fixed_plan_;  // else
   Sampler share_points_;
+  std::array<Sampler, 2> race_points_;
   ShadingOptions shading_;
   const MotionMask& mask_;
   const DiscreteScene& scene_;
@@ -337,7 +418,8 @@ class MixedIntegrator : public Integrator {
   ShotParts& parts_;
   PlanKey key_;
   FramePlan frame_;
-  bool known_ = false;  // from an earlier picture
+  bool known_ = false;      // from an earlier picture
+  bool will_race_ = false;  // until then any pixel may get time-continuous rays
 };
 
 }  // namespace

@@ -47,9 +47,11 @@ inline double dither(int x, int y) {
 /// pixels for which it then lasts, the one above.
 class Allotment {
  public:
-  /// discrete_gain: discrete samples go where they are needed, and are so many times as good for it.
-  Allotment(uint32_t budget, const RayPrices& prices, double discrete_gain = 1) : budget_(budget) {
-    const double samples = budget, time = samples - samples * prices.still_ray;
+  /// discrete_gain: discrete samples go where they are needed, and are so many times as good for it. still_share: how
+  /// many still rays a pixel takes beside time-continuous ones, in the mean, as a share of the budget.
+  Allotment(uint32_t budget, const RayPrices& prices, double discrete_gain = 1, double still_share = 1)
+      : budget_(budget) {
+    const double samples = budget, time = samples - samples * still_share * prices.still_ray;
     const auto cost = [&](double rays) { return rays * tc_ray_price(prices, rays); };
     if (!(cost(1) <= time)) return;
     low_ = 1;
@@ -70,6 +72,8 @@ class Allotment {
           std::max(kSlowest, kSlowest + (kFastest - kSlowest) * (required - at_slowest) / (at_fastest - at_slowest));
   }
 
+  /// Is the budget worth a time-continuous ray?
+  bool buys_tc() const { return low_ > 0; }
   /// speed: pixels while the shutter is open. chance: of the pixel, in [0, 1).
   PixelPlan plan(double speed, double chance) const {
     if (speed < least_speed_) return {0, budget_};

@@ -22,16 +22,18 @@ constexpr double kEvaluation = 30;                       // finding out where to
 constexpr double kDiscrete = 60, kDiscreteMost = 600, kHalfway = 5;  // hits at which half of the limit is reached
 constexpr double kStill = 60;
 
+constexpr double kUnlit = 60;
+
 double shading_time(ShadingKind kind) {
   switch (kind) {
     case ShadingKind::flat:
       return 40;
     case ShadingKind::whitted:
-      return 1500;
+      return 1300;
     case ShadingKind::path:
       return 5000;
     default:
-      return 60;
+      return kUnlit;
   }
 }
 
@@ -39,7 +41,7 @@ double shading_time(ShadingKind kind) {
 constexpr double kLeastTime = 1e-3, kMostTime = 1e9;
 
 // Of 1, 4 and 16 time-continuous rays in a pixel, how much dearer each is than the counts say: the median over the
-// scenes of docs/method.md.
+// scenes of docs/method.md. Light is as dear for one ray as for many.
 constexpr std::array<double, Calibration::kRays.size()> kFewAreDearer{2.8, 2.0, 1.25};
 
 constexpr int kPixels = 64;                     // looked at
@@ -83,10 +85,12 @@ RayPrices estimate_prices(const RayWork& work, double key_spans, bool anything_s
   const double hits = work.hits / key_spans;
   const double discrete = kDiscrete + kDiscreteMost * hits / (hits + kHalfway) + shade;
   const double still = kStill + shade;
-  const double tc = kNode * work.nodes + kTriangle * work.triangles + kHit * work.hits +
-                    (kEvaluation + shade) * std::max(1.0, work.evaluations);
+  const double evaluations = std::max(1.0, work.evaluations), cheap = std::min(shade, kUnlit);
+  const double tc =
+      kNode * work.nodes + kTriangle * work.triangles + kHit * work.hits + (kEvaluation + cheap) * evaluations;
+  const double light = (shade - cheap) * evaluations;
   RayPrices prices;
-  for (size_t i = 0; i < kFewAreDearer.size(); ++i) prices.tc_ray[i] = kFewAreDearer[i] * tc / discrete;
+  for (size_t i = 0; i < kFewAreDearer.size(); ++i) prices.tc_ray[i] = (kFewAreDearer[i] * tc + light) / discrete;
   prices.still_ray = anything_still ? std::min(1.0, still / discrete) : 0;
   return prices;
 }

@@ -10,6 +10,7 @@
 #include <kairos/render.h>
 
 #include "integrators/contrast.h"
+#include "policy/race.h"
 
 namespace kairos {
 namespace {
@@ -18,6 +19,26 @@ std::vector<PixelLook> looks(std::initializer_list<double> contrasts) {
   std::vector<PixelLook> result;
   for (const double contrast : contrasts) result.push_back({contrast, 1});
   return result;
+}
+
+TEST(Race, IsWonBySpeed) {
+  Race race;
+  EXPECT_FALSE(race.tc_wins(5)) << "nobody ran";
+  for (int i = 0; i < 100; ++i) {
+    race.add(0.1, 1, 0.5);
+    race.add(0.6, 0.5, 1);
+    race.add(5, 0.9, 1);
+  }
+  race.add(20, 0, 1);
+  EXPECT_FALSE(race.tc_wins(0.2));
+  EXPECT_TRUE(race.tc_wins(0.5));
+  EXPECT_TRUE(race.tc_wins(2)) << "hardly seen: as the next slower ones";
+  EXPECT_FALSE(race.tc_wins(9)) << "a tie";
+  EXPECT_FALSE(race.tc_wins(1000)) << "one pixel says nothing";
+  Race by_one;
+  by_one.add(2, 0, 100);
+  for (int i = 0; i < 100; ++i) by_one.add(2, 0.1, 0.1);
+  EXPECT_FALSE(by_one.tc_wins(2)) << "won by a single pixel";
 }
 
 TEST(Contrast, IsTheRangeOfWhatADisplayShows) {

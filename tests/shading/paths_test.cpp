@@ -1,8 +1,13 @@
 // Path tracing against what light must do: energy, closed forms, and Whitted's shading where both mean the same.
+#include <array>
 #include <cmath>
+#include <cstdlib>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
+
+#include <kairos/render.h>
 
 #include "discrete/discrete_scene.h"
 #include "seed.h"
@@ -255,6 +260,63 @@ TEST(Paths, FrostedGlassShowsALampBehindIt) {
     EXPECT_GT(expected, 0.1);
     EXPECT_LT(lit.error.x * std::sqrt(4096.0), 0.7 * expected) << "noise, if it were found from one end alone";
   }
+}
+
+/// Time-continuous rays that share a list of samples over the pixel, and discrete ones, have the same mean in every
+/// pixel, whatever their noise; and no pixel is negative or no number. 256 seeds with KAIROS_LONG.
+TEST(Paths, TimeContinuousRaysHaveTheMeanOfDiscreteOnes) {
+  Shot shot;
+  shot.projection.width = 16;
+  shot.projection.height = 12;
+  shot.materials = {lambert({0.7f, 0.5f, 0.4f}), lamp({5, 4, 3}), rough_metal(0.4f), rough_glass(0, true)};
+  shot.meshes = {parallelogram({-10, -1, 10}, {20, 0, 0}, {0, 0, -20}, 0),
+                 parallelogram({0, 1, -5}, {2, 0, 0}, {0, 0, 2}, 1), box({-1, -1, -4}, {0.2f, 0, -3}, 2),
+                 parallelogram({0.3f, -1, -2.5f}, {1, 0, 0}, {0, 1, 0}, 3)};
+  shot.meshes[2].positions.push_back(shot.meshes[2].positions[0]);
+  for (Vec3f& p : shot.meshes[2].positions[1]) p = p + Vec3f{0.8f, 0.3f, 0};
+  shot.meshes[2].key_times = {0, 1};
+  shot.lights = {ConstantLight{{0.3f, 0.4f, 0.5f}}, PointLight{{-2, 2, 0}, {6, 6, 6}}};
+  const int seeds = std::getenv("KAIROS_LONG") != nullptr ? 256 : 24;
+  std::mt19937 random(test::seed());
+  Renderer renderer(shot);
+  const auto sums_of = [&](IntegratorKind kind) {
+    std::vector<std::array<double, 2>> sums(16 * 12);
+    for (int i = 0; i < seeds; ++i) {
+      RenderParams params;
+      params.shading = ShadingKind::path;
+      params.integrator = kind;
+      params.tc_rays = 2;
+      params.shading_samples = 4;
+      params.spp = 8;
+      params.seed = random();
+      const Image image = renderer.render(params);
+      for (size_t p = 0; p < sums.size(); ++p) {
+        const auto value = static_cast<double>(image.find("R")->values[p]);
+        EXPECT_TRUE(std::isfinite(value) && value >= 0);
+        sums[p][0] += value;
+        sums[p][1] += value * value;
+      }
+    }
+    return sums;
+  };
+  const auto tc = sums_of(IntegratorKind::tc), discrete = sums_of(IntegratorKind::qmc);
+  double squares = 0, difference = 0, variance = 0;
+  int seen = 0;
+  for (size_t p = 0; p < tc.size(); ++p) {
+    const auto variance_of = [&](const std::array<double, 2>& sum) {
+      return (sum[1] - sum[0] * sum[0] / seeds) / (seeds - 1) / seeds;
+    };
+    const double apart = (tc[p][0] - discrete[p][0]) / seeds, both = variance_of(tc[p]) + variance_of(discrete[p]);
+    const double mean = tc[p][0] / seeds;
+    if (both < 1e-7 * mean * mean + 1e-12) continue;  // the background or the lamp alone: rounding
+    squares += apart * apart / both;
+    ++seen;
+    difference += apart;
+    variance += both;
+  }
+  ASSERT_GT(seen, 100);
+  EXPECT_LT(squares / seen, 1.7) << "1 for what differs by noise alone";
+  EXPECT_LT(std::abs(difference), 5 * std::sqrt(variance));
 }
 
 }  // namespace
