@@ -35,6 +35,9 @@ def rows_of(rays, renders, gains, growth):
     ratio = lambda point, n: rays.ratio(point, "tc_ns", "discrete_ns", n)  # noqa: E731
     tc = lambda point, n: gains.gain(point, "tc", "owen-sobol", "tc_rays", n)  # noqa: E731
     auto = lambda point, b: gains.gain(point, "auto", "owen-sobol", "spp", b)  # noqa: E731
+    def whole(point, n):
+        return renders.ratio(point, "tc_ns", "discrete_ns", n, (renders.rays(point, "discrete_ns") or [64])[0])
+
     sets = lambda measure, n=0: between(growth, measure, "sets/swarm/1024", "sets/swarm/1", n)  # noqa: E731
     spans = lambda n: most([between(growth, "tc_ns", f"spans/{s}/16", f"spans/{s}/1", n)  # noqa: E731
                             for s in ("terrain", "swarm")])
@@ -55,6 +58,10 @@ def rows_of(rays, renders, gains, growth):
             ("cost ratio, blades, 16 rays", 1.5, 2.96, True, ratio("blades", 16)),
             ("single incoherent ray, kitchen", 10, 3.19, True,
              rays.ratio("kitchen", "incoherent_tc_ns", "incoherent_discrete_ns", 1))]
+    # With sample points, shading and film.
+    for point, n, aim in (("garden-960", 4, 6), ("garden-960", 16, 4), ("crowd", 4, 5), ("crowd", 16, 4), ("blades", 16, 1.5),
+                          ("foliage", 4, 3), ("foliage", 16, 2.2), ("still", 16, 2.5)):
+        rows.append((f"cost ratio, whole rendering, {point}, {n} rays", aim, None, True, whole(point, n)))
     for point, n, aim, before in (("kitchen", 4, 5, 7.77), ("kitchen", 16, 7, 14.40), ("kitchen-fast", 4, 5, 9.89),
                                   ("kitchen-fast", 16, 7, 12.77), ("foliage", 4, 8, 7.32), ("foliage", 16, 8, 10.90),
                                   ("blades", 4, 8, 16.47), ("blades", 16, 8, 19.74)):

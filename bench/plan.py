@@ -17,6 +17,7 @@ class Effort:
     keys: str = "0,3,5,9"
     shot_size: str = "960x540"
     large_size: str = "1920x1080"
+    side_scale: float = 1.0  # of the sides of square pictures
     seeds: int = 3
     study_rows: int = 20  # of shot_size: motion is as long as in the whole picture
     tc_rays: str = "1,4,16"
@@ -39,11 +40,13 @@ QUICK = replace(FULL, rounds=3, tiles=32, incoherent=4000, build_rounds=1, rende
                 seeds=2, study_rows=4, budgets="4,16,64,256", more_budgets="4,16,64,256",
                 reference_spp=512, triangles=(10**4, 10**5), motions=(1, 10, 100), spans=(1, 16), sets=(1, 1024),
                 sizes=("320x180", "960x540"), resolution_of=("terrain",),
-                left_out=("kitchen-slow", "kitchen-large", "kitchen-fast", "foliage-whitted"))
+                left_out=("kitchen-slow", "kitchen-large", "kitchen-fast", "foliage-whitted", "garden-large", "forest-large",
+                          "veils-large", "hair-large"))
 # Says nothing about speed, only that everything runs.
 TINY = replace(QUICK, scale=0.01, rounds=2, tiles=4, incoherent=100, render_rounds=2, thread_rounds=2, shot_size="32x18",
-               large_size="64x36", study_rows=4, budgets="4,16,64,256", reference_spp=64,
-               triangles=(100, 1000), growth_triangles=100, motions=(1, 10), spans=(1, 2), sets=(1, 32), sizes=("32x18", "64x36"))
+               large_size="64x36", side_scale=1 / 15, study_rows=4, budgets="4,16,64,256", reference_spp=64,
+               triangles=(100, 1000), growth_triangles=100, motions=(1, 10), spans=(1, 2), sets=(1, 32), sizes=("32x18", "64x36"),
+               left_out=(*QUICK.left_out, "garden-960", "forest", "veils", "hair"))
 
 
 @dataclass(frozen=True)
@@ -54,6 +57,7 @@ class Shot:
     scene: str  # file below the folder of scenes; its folder is what make_scenes.py calls it
     options: tuple = ()
     large: bool = False  # the larger picture
+    side: int = 0  # of a square picture, pixels; 0: it is not square
     builds: bool = True  # with one thread and two: not for the same triangles again
     dear: bool = False  # time-continuous rays are: discrete ones are measured with more samples
     only_equal: bool = False  # only error at equal time is measured
@@ -73,6 +77,15 @@ SHOTS = [
     Shot("blades", "blades", "blades/scene.json"),
     Shot("wires", "wires", "wires/scene.json"),
     Shot("crowd", "crowd, 200 figures", "crowd/scene.json"),
+    Shot("garden", "garden, moving camera", "garden/scene.json", side=480),
+    Shot("garden-960", "the same, 960x960", "garden/scene.json", side=960, builds=False),
+    Shot("garden-large", "the same, 1920x1080", "garden/scene.json", large=True, builds=False),
+    Shot("forest", "forest, 100 million triangles", "forest/scene.json", side=480, builds=False),
+    Shot("forest-large", "the same, 1920x1080", "forest/scene.json", large=True, builds=False),
+    Shot("veils", "veils, 50 layers", "veils/scene.json", side=480),
+    Shot("veils-large", "the same, 1920x1080", "veils/scene.json", large=True, builds=False),
+    Shot("hair", "hair, 100 thousand strands", "hair/scene.json", side=480),
+    Shot("hair-large", "the same, 1920x1080", "hair/scene.json", large=True, builds=False),
     Shot("fan", "fan", "fan/scene.json", dear=True, only_equal=True),
     Shot("foliage-whitted", "foliage, lamps and sky", "foliage/scene.json", ("--shading", "whitted"), only_equal=True),
     Shot("glass-whitted", "glass, lamps and mirrors", "glass/scene.json", ("--shading", "whitted"), only_equal=True),

@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include <kairos/error.h>
+#include <kairos/names.h>
 #include <kairos/scene.h>
 
 namespace kairos::bench {
@@ -20,6 +21,7 @@ class ShotChoice {
     frame_option_ = app.add_option("--frame", frame_);
     app.add_option("--shutter", shutter_);
     app.add_option("--camera", camera_);
+    app.add_option("--instances", instances_)->check(CLI::IsMember({"auto", "never", "always"}));
   }
 
   /// textures: read all of them.
@@ -27,6 +29,7 @@ class ShotChoice {
     ShotOptions options;
     options.textures = textures;
     options.camera = camera_;
+    options.instances = *parse<ShotOptions::Instances>(instances_);
     if (std::sscanf(size_.c_str(), "%dx%d", &options.width, &options.height) != 2)
       throw Error(ErrorCode::bad_usage, "--size", "give it as WIDTHxHEIGHT");
     if (frame_option_->count() > 0) options.frame = frame_;
@@ -41,7 +44,7 @@ class ShotChoice {
 
  private:
   std::vector<std::string> scenes_;
-  std::string size_, shutter_, camera_;
+  std::string size_, shutter_, camera_, instances_ = "auto";
   double frame_ = 0;
   const CLI::Option* frame_option_ = nullptr;
 };
