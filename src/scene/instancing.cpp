@@ -14,10 +14,14 @@ namespace kairos {
 
 namespace {
 
-/// Objects of fewer triangles are copied: walking into an object costs about as much as testing these.
+// What bench/instances.py gives from docs/results/instances.csv; a test compares them.
+/// Objects of fewer triangles are copied: sharing them saves little of what it takes to load and build them.
 constexpr size_t kLeastTriangles = 64;
-/// So are all where their copies are fewer triangles than that together: rays through a single tree are cheaper.
-constexpr uint64_t kLeastCopied = uint64_t{1} << 20;
+/// So are all where their copies are at most so many triangles together for each pixel of the frame: rays through a
+/// single tree are cheaper, and more pixels have more rays that pay for the copies.
+constexpr uint64_t kCopiedPerPixel = 2;
+/// But not more than these: what else is kept of them takes a gigabyte.
+constexpr uint64_t kMostCopied = uint64_t{1} << 22;
 /// Of the volume that the three axes of a placed object span over that of their lengths' product, and of the shortest
 /// axis over the longest: below that it counts as flat.
 constexpr double kLeastVolume = 1e-3;
@@ -116,7 +120,7 @@ DirectionMap directions_of(const Mat4& world_from_object, bool turned) {
 
 }  // namespace
 
-std::vector<SharedObject> find_shared_objects(const Scene& scene, ShotOptions::Instances choice) {
+std::vector<SharedObject> find_shared_objects(const Scene& scene, ShotOptions::Instances choice, uint64_t pixels) {
   std::vector<SharedObject> objects;
   if (choice == ShotOptions::Instances::never) return objects;
   std::map<ShapeKey, size_t> known;
@@ -137,7 +141,8 @@ std::vector<SharedObject> find_shared_objects(const Scene& scene, ShotOptions::I
   });
   uint64_t copied = 0;
   for (const SharedObject& object : objects) copied += object.meshes.size() * triangles_of(object);
-  if (choice == ShotOptions::Instances::automatic && copied < kLeastCopied) objects.clear();
+  if (choice == ShotOptions::Instances::automatic && copied <= std::min(kMostCopied, kCopiedPerPixel * pixels))
+    objects.clear();
   parallel_for(objects.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const SceneMesh& first = scene.meshes[objects[i].meshes.front()];

@@ -23,8 +23,9 @@ struct SharedObject {
   std::vector<size_t> meshes;  ///< of the scene: its instances
 };
 
-/// Groups the meshes that share a shape, where that is worth it. Empty where none is.
-std::vector<SharedObject> find_shared_objects(const Scene& scene, ShotOptions::Instances choice);
+/// Groups the meshes that share a shape, where that is worth it: for a frame of so many pixels, if the choice is
+/// automatic. Empty where none is.
+std::vector<SharedObject> find_shared_objects(const Scene& scene, ShotOptions::Instances choice, uint64_t pixels);
 
 /// The instance that takes the place of a mesh; excess: see MotionKeys. None where at some key the object is flat, or
 /// nearly: discrete rays could not be told where they meet it.

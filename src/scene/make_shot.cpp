@@ -249,7 +249,9 @@ Shot make_shot_here(const Scene& scene, const ShotOptions& options) {
   shot.camera_moves = view.camera_moves();
 
   MemoryBudget budget(scene.memory_budget);
-  const std::vector<SharedObject> objects = find_shared_objects(scene, options.instances);
+  const std::vector<SharedObject> objects =
+      find_shared_objects(scene, options.instances,
+                          static_cast<uint64_t>(shot.projection.width) * static_cast<uint64_t>(shot.projection.height));
   std::vector<uint32_t> object_of(scene.meshes.size(), kNoObject);
   for (uint32_t i = 0; i < objects.size(); ++i)
     for (const size_t m : objects[i].meshes) object_of[m] = i;

@@ -17,6 +17,7 @@ sys.path += [str(root / "bench"), str(root / "tools")]
 
 import aims  # noqa: E402
 import estimates  # noqa: E402
+import instances  # noqa: E402
 import jobs  # noqa: E402
 import page  # noqa: E402
 import run  # noqa: E402
@@ -48,6 +49,8 @@ def check_arithmetic():
     check(aims.verdict((5.5, 5, 6), 6, True) == "reached" and aims.verdict((6.1, 5, 7), 6, True) == "not reached" and
           aims.verdict((7, 6, 8), 5, False) == "reached" and aims.verdict(None, 5, False) == "not measured", "verdicts")
     check(aims.least([(1, 0, 2), None, (-1, -2, 0)])[0] == -1 and aims.least([None]) is None, "the least estimate")
+    fitted = instances.fit(jobs.read_rows(root / "docs/results/instances.csv"))
+    check(fitted == instances.committed(), f"bench/instances.py gives {fitted}, the source has {instances.committed()}")
     folder = out / "arithmetic"
     folder.mkdir(parents=True)
     values = [("tc_ns", 4, 20), ("tc_ns", 4, 60), ("discrete_ns", 4, 10), ("discrete_ns", 4, 15), ("triangles", 0, 8)]

@@ -288,6 +288,29 @@ TEST(Instances, AreLeftAloneWhereTheyAreFlatOrFew) {
   EXPECT_EQ(shot.meshes[0].object, shot.meshes[2].object);
 }
 
+TEST(Instances, AreSharedWhereCopiesAreManyForThePicture) {
+  SceneDescription scene;
+  MeshDescription shape;
+  shape.positions.emplace_back();
+  constexpr uint32_t kTriangles = 100;  // a fan
+  for (uint32_t i = 0; i < kTriangles + 2; ++i) {
+    const float angle = 0.01f * static_cast<float>(i);
+    shape.positions[0].push_back({std::cos(angle), std::sin(angle), i % 2 == 0 ? -5.0f : -5.1f});
+  }
+  for (uint32_t i = 0; i < kTriangles; ++i) shape.triangles.push_back({0, i + 1, i + 2});
+  scene.meshes.push_back(shape);
+  scene.instances.resize(3);
+  scene.cameras.push_back({});
+  scene.cameras[0].keys.push_back({});
+  ShotOptions options;
+  options.width = 15;  // two triangles for each pixel are as many as there are
+  for (const int height : {9, 10}) {
+    options.height = height;
+    for (const Mesh& mesh : make_shot(*make_scene(scene), options).meshes)
+      EXPECT_EQ(mesh.object != nullptr, height == 9) << height;
+  }
+}
+
 /// Files that place a tetrahedron three times, the third one mirrored, in each format that can say so.
 std::vector<std::string> files_with_copies(const TempFolder& folder) {
   GltfBuilder gltf;
