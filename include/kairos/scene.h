@@ -213,7 +213,7 @@ struct ShotOptions {
   /// Meshes of one shape that are placed many times may share it: they are instances (see Mesh::object), which take
   /// less memory and time to build, while rays take a little longer. What is seen is the same up to rounding.
   enum class Instances {
-    automatic,  ///< where copies would be more than two triangles for each pixel of the frame, or take a gigabyte
+    automatic,  ///< where copies would be more than two triangles for each pixel of the frame, or a million
     never,
     always,  ///< wherever a shape is placed twice
   };
