@@ -36,7 +36,7 @@ class Files : public EventSink {
       // Each file takes of the options what it knows.
       EventFileOptions own = options;
       if (paths.size() > 1 && !path.ends_with(".txt")) own.header = EventFileOptions::Header::none;
-      own.labels = options.labels && path.ends_with(".npz");
+      own.labels = options.labels && holds_labels(path);
       files_.push_back(std::make_unique<EventFileWriter>(path, width, height, own));
     }
   }
@@ -126,13 +126,16 @@ void with_bar(const EventsArguments& arguments, const std::function<void(const P
   }
 }
 
+/// Has the folder's own file of events a place for labels?
+bool has_labels(EventLayout layout) { return layout == EventLayout::eventnerf || layout == EventLayout::dsec; }
+
 /// What the folder's own file of events is told.
 EventFileOptions of_folder(const EventFileOptions& file, EventLayout layout) {
   EventFileOptions own;
   own.epoch = file.epoch;
   own.duration = file.duration;
   own.kinds = file.kinds && layout == EventLayout::eventnerf;
-  own.labels = file.labels && layout == EventLayout::eventnerf;
+  own.labels = file.labels && has_labels(layout);
   return own;
 }
 
@@ -142,15 +145,15 @@ void run_events(const EventsArguments& arguments, const CLI::App& command, const
   std::vector<std::string> paths = arguments.outs;
   if (arguments.has_layout) paths.erase(paths.begin());  // the folder
   EventFileOptions file = arguments.file;
-  file.labels = options.labels && (!arguments.part || paths.front().ends_with(".npz"));
+  file.labels = options.labels && (!arguments.part || holds_labels(paths.front()));
   for (const std::string& path : paths)
     check_event_file(path, options.shot.width, options.shot.height, arguments.part ? file : EventFileOptions{});
   if (arguments.part) choose_part(arguments, options, paths);
   for (const std::string& path : paths) check_writable(path);
-  const bool folder_has_labels = arguments.has_layout && arguments.folder.layout == EventLayout::eventnerf;
-  if (options.labels && !folder_has_labels &&
-      std::none_of(paths.begin(), paths.end(), [](const std::string& path) { return path.ends_with(".npz"); }))
-    throw Error(ErrorCode::bad_usage, arguments.outs.front(), "holds no labels; let --labels write an .npz, too");
+  const bool folder_has_labels = arguments.has_layout && has_labels(arguments.folder.layout);
+  if (options.labels && !folder_has_labels && std::none_of(paths.begin(), paths.end(), holds_labels))
+    throw Error(ErrorCode::bad_usage, arguments.outs.front(),
+                "holds no labels; let --labels write an .npz, an .npy or an .h5, too");
   const auto say = [&](const std::string& line) {
     if (!arguments.quiet) log(line);
   };
@@ -233,7 +236,8 @@ void add_record_options(CLI::App& command, EventsArguments& arguments) {
   add_choice(command, "--edges", options.edges,
              "How an edge passes a pixel. area: it covers each ray's part as it moves over it; step: rays jump");
   command.add_flag("--labels", options.labels,
-                   "Also say of each event, in .npz, which surface made it and what lies behind, depth, flow and kind");
+                   "Also say of each event, in .npz, .npy and .h5, which surface made it and what lies behind, depth, "
+                   "flow and kind");
   add_event_sensor_options(command, options.sensor);
   add_event_file_options(command, arguments.file);
   add_choice(command, "--shading", options.render.shading,

@@ -31,7 +31,7 @@ struct EventFileOptions {
   Evt evt = Evt::evt3;                   ///< of .raw
   int64_t epoch = 0;                     ///< nanoseconds that are added to all stamps; 0 or more
   bool kinds = false;                    ///< npz: an array that tells signal and noise apart
-  bool labels = false;                   ///< npz: arrays of what made each pixel fire
+  bool labels = false;                   ///< npz, npy, h5: what made each pixel fire
   int64_t duration = 0;                  ///< nanoseconds: of the recording; .h5 has an index of all of its milliseconds
 };
 
@@ -61,6 +61,8 @@ class KAIROS_API EventFileWriter : public EventSink {
 /// does not hold. Sizes of 0 are not looked at.
 KAIROS_API void check_event_file(const std::string& path, int width = 0, int height = 0,
                                  const EventFileOptions& options = {});
+/// Has the format of this name a place for labels? Throws what check_event_file does.
+KAIROS_API bool holds_labels(const std::string& path);
 /// ".npz, .txt, ..."
 KAIROS_API std::string event_file_endings();
 

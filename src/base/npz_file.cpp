@@ -10,6 +10,8 @@ namespace {
 
 constexpr uint32_t kNoSize = 0xffffffffu;  // of 32 bits: the real one stands in the ZIP64 fields
 constexpr uint16_t kZip64 = 1, kVersion = 45, kStored = 0;
+/// For which an array's file has room beside any shape: those of structures with many fields get twice the room.
+constexpr size_t kLongestDescr = 64;
 constexpr uint16_t kFirstDay = 0x21;  // 1 January 1980, the earliest there is: files of the same content are the same
 
 }  // namespace
@@ -20,7 +22,7 @@ std::string npy_header(const std::string& descr, std::span<const uint64_t> shape
   if (shape.size() > 1) sizes.resize(sizes.size() - 2);
   std::string text = "{'descr': " + descr + ", 'fortran_order': False, 'shape': (" + sizes + "), }";
   constexpr size_t kPreamble = 10;  // magic, version, length of the rest of the header
-  text.resize(kNpyHeader - kPreamble - 1, ' ');
+  text.resize((descr.size() <= kLongestDescr ? kNpyHeader : 2 * kNpyHeader) - kPreamble - 1, ' ');
   text += '\n';
   const std::string length{static_cast<char>(text.size()), 0};
   return std::string("\x93NUMPY\x01\x00", 8) + length + text;

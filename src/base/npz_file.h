@@ -16,7 +16,8 @@
 
 namespace kairos {
 
-/// Of an array's file, always of kNpyHeader bytes, so that it can be written again when its length is known.
+/// Of an array's file, always of kNpyHeader bytes (of long descriptions twice as many), so that it can be written again
+/// when its length is known.
 inline constexpr size_t kNpyHeader = 128;
 /// descr: as numpy writes it, such as '<i8' with its quotes. Of `count` items in one dimension, or, where there is a
 /// width, in as many rows of so many.

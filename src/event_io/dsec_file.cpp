@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@ hid_t type_of(uint8_t /*value*/) { return H5T_NATIVE_UINT8; }
 hid_t type_of(uint16_t /*value*/) { return H5T_NATIVE_UINT16; }
 hid_t type_of(uint32_t /*value*/) { return H5T_NATIVE_UINT32; }
 hid_t type_of(uint64_t /*value*/) { return H5T_NATIVE_UINT64; }
+hid_t type_of(float /*value*/) { return H5T_NATIVE_FLOAT; }
 
 /// A growing data set of numbers.
 template <class Number>
@@ -59,6 +61,36 @@ class NumberSet {
   hsize_t size_ = 0;
 };
 
+/// What made pixels fire, in a group that the data set does not have.
+struct LabelSets {
+  NumberSet<uint32_t> surface, behind;
+  NumberSet<float> depth, flow_x, flow_y;
+  NumberSet<uint8_t> edge, kind;
+
+  LabelSets(hid_t file, const std::string& path)
+      : surface(file, "labels/surface", path),
+        behind(file, "labels/behind", path),
+        depth(file, "labels/depth", path),
+        flow_x(file, "labels/flow_x", path),
+        flow_y(file, "labels/flow_y", path),
+        edge(file, "labels/edge", path),
+        kind(file, "labels/kind", path) {}
+  void put(const Event& event, const EventLabel& label) {
+    surface.put(label.surface);
+    behind.put(label.behind);
+    depth.put(label.depth);
+    flow_x.put(label.flow[0]);
+    flow_y.put(label.flow[1]);
+    edge.put(static_cast<uint8_t>(label.edge));
+    kind.put(static_cast<uint8_t>(event.kind));
+  }
+  void flush() {
+    for (auto* set : {&surface, &behind}) set->flush();
+    for (auto* set : {&depth, &flow_x, &flow_y}) set->flush();
+    for (auto* set : {&edge, &kind}) set->flush();
+  }
+};
+
 class DsecWriter : public EventFileWriter::Format {
  public:
   explicit DsecWriter(const EventFilePlan& plan)
@@ -73,6 +105,7 @@ class DsecWriter : public EventFileWriter::Format {
     const Hdf5Handle offset(
         H5Dcreate2(file_, "t_offset", H5T_NATIVE_INT64, scalar, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
         plan.path);
+    if (plan.options.labels) labels_.emplace(file_, plan.path);
     const int64_t microseconds_before = microseconds(plan.options.epoch);
     H5Dwrite(offset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &microseconds_before);
   }
@@ -91,7 +124,13 @@ class DsecWriter : public EventFileWriter::Format {
     }
   }
 
+  void add_labelled(std::span<const Event> events, std::span<const EventLabel> labels) override {
+    add(events);
+    for (size_t i = 0; labels_ && i < events.size(); ++i) labels_->put(events[i], labels[i]);
+  }
+
   void finish() override {
+    if (labels_) labels_->flush();
     // Readers look up the millisecond in which their window ends, and read nothing where it is not there.
     index_to((plan_.options.duration + 999999) / 1000000);
     for (auto* set : {&x_, &y_}) set->flush();
@@ -113,6 +152,7 @@ class DsecWriter : public EventFileWriter::Format {
   NumberSet<uint16_t> x_, y_;
   NumberSet<uint8_t> p_;
   NumberSet<uint64_t> index_;
+  std::optional<LabelSets> labels_;
   int64_t indexed_ = 0;
   uint64_t count_ = 0;
 };

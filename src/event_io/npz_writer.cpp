@@ -1,5 +1,6 @@
 // numpy archives of events, and arrays of them.
 #include <array>
+#include <filesystem>
 #include <optional>
 
 #include "base/atomic_file.h"
@@ -94,8 +95,26 @@ class NpzWriter : public EventFileWriter::Format {
 /// One array of events as Metavision has them, which can be mapped into memory.
 class NpyWriter : public EventFileWriter::Format {
  public:
-  explicit NpyWriter(const EventFilePlan& plan) : file_(plan.path, kNpyEvents) {}
+  explicit NpyWriter(const EventFilePlan& plan) : file_(plan.path, kNpyEvents) {
+    if (plan.options.labels)
+      labels_.emplace(std::filesystem::path(plan.path).replace_extension(".labels.npy").string(), kNpyLabels);
+  }
 
+  void add_labelled(std::span<const Event> events, std::span<const EventLabel> labels) override {
+    add(events);
+    if (!labels_) return;
+    bytes_.clear();
+    for (size_t i = 0; i < events.size(); ++i) {
+      const EventLabel& label = labels[i];
+      put_item(bytes_, label.surface);
+      put_item(bytes_, label.behind);
+      put_item(bytes_, label.depth);
+      for (const float flow : label.flow) put_item(bytes_, flow);
+      put_item(bytes_, static_cast<uint8_t>(label.edge));
+      put_item(bytes_, static_cast<uint8_t>(events[i].kind));
+    }
+    labels_->write(bytes_, events.size());
+  }
   void add(std::span<const Event> events) override {
     bytes_.clear();
     for (const Event& event : events) {
@@ -107,10 +126,20 @@ class NpyWriter : public EventFileWriter::Format {
     }
     file_.write(bytes_, events.size());
   }
-  void finish() override { file_.finish(); }
+  void finish() override {
+    if (labels_) labels_->finish();
+    file_.finish();
+  }
 
  private:
+  /// Beside the events, one for each.
+  static constexpr const char* kNpyLabels =
+      "[('surface','<u4'),('behind','<u4'),('depth','<f4'),('flow_x','<f4'),('flow_y','<f4'),('edge','|b1'),('kind','|"
+      "u1"
+      "')]";
+
   NpyFile file_;
+  std::optional<NpyFile> labels_;
   std::vector<uint8_t> bytes_;
 };
 

@@ -12,65 +12,11 @@
 #include "error_matchers.h"
 #include "events/coverage.h"
 #include "math/sampler.h"
+#include "recorded_events.h"
 #include "seed.h"
 
 namespace kairos {
 namespace {
-
-class Collector : public EventSink {
- public:
-  void add(std::span<const Event> more) override { events.insert(events.end(), more.begin(), more.end()); }
-  void add_labelled(std::span<const Event> more, std::span<const EventLabel> of_them) override {
-    add(more);
-    labels.insert(labels.end(), of_them.begin(), of_them.end());
-  }
-  std::vector<Event> events;
-  std::vector<EventLabel> labels;
-
-  std::map<std::pair<int, int>, std::vector<Event>> by_pixel() const {
-    std::map<std::pair<int, int>, std::vector<Event>> pixels;
-    for (const Event& event : events) pixels[{event.x, event.y}].push_back(event);
-    return pixels;
-  }
-};
-
-constexpr int kWidth = 12, kHeight = 9;
-constexpr double kDark = 1.0 / 255;
-/// Frustum of 1 by 4/3 at z = -1: a pixel is 1/9.
-constexpr double kPixel = 1.0 / kHeight;
-
-Material painted(float grey) {
-  Material material;
-  material.base_color = {grey, grey, grey};
-  return material;
-}
-
-CameraDescription camera() {
-  CameraDescription description;
-  description.vfov = 2 * std::atan(0.5);
-  description.keys = {{}};
-  return description;
-}
-
-EventOptions flat_options(int rays) {
-  EventOptions options;
-  options.render.shading = ShadingKind::flat;
-  options.render.threads = 1;
-  options.shot.width = kWidth;
-  options.shot.height = kHeight;
-  options.rays = rays;
-  options.chunk = 0.25;
-  return options;
-}
-
-std::vector<Event> record(const Scene& scene, const EventOptions& options, EventStats* stats = nullptr) {
-  Collector collector;
-  const EventStats got = record_events(scene, options, collector);
-  EXPECT_TRUE(std::is_sorted(collector.events.begin(), collector.events.end()));
-  EXPECT_EQ(got.on + got.off, collector.events.size());
-  if (stats != nullptr) *stats = got;
-  return collector.events;
-}
 
 /// A half-plane at z = -1 whose edge flies over the picture in a second.
 struct FlyingEdge {
@@ -224,30 +170,6 @@ struct FlyingTriangles {
     return seen;
   }
 };
-
-/// How much farther than a threshold the brightness that events claim is from the true one: [pixel][instant], at random
-/// instants. light(x, y, time): the true light.
-template <class Light>
-std::vector<std::vector<double>> beyond_threshold(const Collector& collector, const EventOptions& options, int instants,
-                                                  std::mt19937& random, const Light& light) {
-  auto pixels = collector.by_pixel();
-  const double on = options.sensor.on, off = options.sensor.off;
-  std::vector<std::vector<double>> all;
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) {
-      const double first = std::log(light(x, y, 0) + kDark);
-      std::vector<double>& beyond = all.emplace_back();
-      for (int i = 0; i < instants; ++i) {
-        const double time = std::uniform_real_distribution(0.0, 1.0)(random);
-        double claimed = first;
-        for (const Event& event : pixels[{x, y}])
-          if (static_cast<double>(event.time) * 1e-9 <= time) claimed += event.polarity > 0 ? on : -off;
-        const double apart = std::log(light(x, y, time) + kDark) - claimed;
-        beyond.push_back(std::max(apart - on, -apart - off));
-      }
-    }
-  return all;
-}
 
 TEST(Events, ClaimABrightnessWithinOneThresholdOfTheTrueOneAtAnyInstant) {
   const uint32_t seed = test::seed();

@@ -153,6 +153,13 @@ body = pathlib.Path(at("a.aedat")).read_bytes().split(b"() 0\r\n")[1]
 address, stamps = numpy.frombuffer(body, ">u4").reshape(-1, 2).T
 same("AEDAT-2.0", stamps, 345 - (address >> 12 & 1023), 259 - (address >> 22 & 511), address >> 11 & 1)
 
+record("l.npz", "l.npy", "l.h5", options=["--labels"])
+labelled, beside = numpy.load(at("l.npz")), numpy.load(at("l.labels.npy"), mmap_mode="r")
+with h5py.File(at("l.h5")) as file:
+    for name in ("surface", "behind", "depth", "flow_x", "flow_y", "edge", "kind"):
+        for what in (beside[name], file["labels"][name][:]):
+            assert (what == labelled[name]).all() and len(what) == len(labelled["t"]) > 1000, name
+
 
 # Folders of data sets: the same moments, as each of them has them.
 def png16(path):
