@@ -21,6 +21,9 @@ void add_sampling_options(CLI::App& app, SamplingArguments& out) {
       "What is shaded as one. on: triangles that follow on each other smoothly; pixel (auto): a triangle, over a "
       "pixel's rays, or for "
       "lit pictures all that they see; off: nothing");
+  add_choice(app, "--shadows", params.shadows,
+             "Of time-continuous rays to point, spot and directional lights. exact: in time, wherever surface, light "
+             "and camera rest; sampled: at the instants of shading samples; auto: exact where it is worth it");
   add_count(app, "--spp", params.spp, 1, kMostSamples,
             "Samples per pixel of qmc; of mixed: discrete rays; of auto: the budget");
   add_choice(app, "--sampler", params.sampler, "Where in the pixel, and when, samples are taken");

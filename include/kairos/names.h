@@ -41,6 +41,10 @@ template <>
 inline constexpr auto kNames<Clusters> = std::to_array<Named<Clusters>>(
     {{"auto", Clusters::automatic}, {"on", Clusters::on}, {"pixel", Clusters::pixel}, {"off", Clusters::off}});
 template <>
+inline constexpr auto kNames<Shadows> = std::to_array<Named<Shadows>>({{"auto", Shadows::automatic},
+                                                                       {"sampled", Shadows::sampled},
+                                                                       {"exact", Shadows::exact}});
+template <>
 inline constexpr auto kNames<FilterKind> = std::to_array<Named<FilterKind>>(
     {{"box", FilterKind::box}, {"gaussian", FilterKind::gaussian}, {"blackman-harris", FilterKind::blackman_harris}});
 template <>

@@ -48,6 +48,7 @@ void render_fields(F& f, P& p) {
   f("shading_samples", p.shading_samples);
   f("shading_interval", p.shading_interval);
   f("clusters", p.clusters);
+  f("shadows", p.shadows);
   f("max_depth", p.max_depth);
   f("clamp", p.clamp);
   f("sampler", p.sampler);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include <kairos/render.h>
 
@@ -15,6 +16,7 @@ namespace kairos {
 /// From rays spread over the frame; the same for any crop. Kept by ShotParts for further crops and pictures.
 struct FramePlan {
   PacketChoice packets;
+  std::vector<bool> exact_shadows;  ///< of tc: [mesh], where shadows are found exactly; empty: nowhere
   // Of the integrators mixed and auto.
   RayPrices prices;
   Allotment allotment{1, {}};          ///< of the budget, where things move

@@ -1,11 +1,16 @@
 // Time-continuous rays: exact visibility over the shutter, sampled over the pixel, shaded at instants.
 #include <algorithm>
 #include <array>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "integrators/frame_plan.h"
 #include "integrators/integrator.h"
 #include "integrators/packet_choice.h"
 #include "motion/aligned_points.h"
+#include "policy/shadow_race.h"
+#include "shading/exact_shadows.h"
 #include "shading/packet_shading.h"
 
 namespace kairos {
@@ -15,9 +20,13 @@ namespace {
 class TcIntegrator : public Integrator {
  public:
   /// mask: null to leave the points of a pixel where they are.
-  TcIntegrator(PacketChoice packets, const MotionMask* mask, const Tracer& tracer, ShadingOptions shading,
+  TcIntegrator(const FramePlan& plan, const MotionMask* mask, const Tracer& tracer, ShadingOptions shading,
                const PixelContext& context)
-      : context_(context), shading_(shading), mask_(mask), tracer_(tracer), packets_(packets) {}
+      : context_(context), shading_(shading), mask_(mask), tracer_(tracer), packets_(plan.packets) {
+    if (plan.exact_shadows.empty()) return;
+    shadows_.emplace(context.shader, tracer, plan.exact_shadows);
+    shading_.shadows = &*shadows_;
+  }
 
   std::unique_ptr<Worker> make_worker() const override { return std::make_unique<TcWorker>(*this); }
 
@@ -64,6 +73,7 @@ class TcIntegrator : public Integrator {
 
     void add_counts(RenderStats& stats) const override {
       stats.counters += workspace_.counters();
+      stats.counters += shading_.shadow_counters();
       stats.rays += workspace_.counters().rays;
       stats.segments += workspace_.counters().segments;
       stats.shading_samples += shading_.evaluations();
@@ -89,7 +99,19 @@ class TcIntegrator : public Integrator {
   const MotionMask* mask_;
   const Tracer& tracer_;
   PacketChoice packets_;
+  std::optional<ExactShadows> shadows_;
 };
+
+/// Where shadows are to be found exactly; empty: nowhere.
+std::vector<bool> exact_shadows(const PixelContext& context, const Shot& shot, const RenderParams& params,
+                                const Tracer& tracer, const ShadingOptions& options) {
+  if (params.shadows == Shadows::sampled || options.clusters != Clusters::pixel || !context.shader.is_lit()) return {};
+  std::vector<bool> meshes = context.shader.resting_receivers();
+  const auto is_any = [&] { return std::find(meshes.begin(), meshes.end(), true) != meshes.end(); };
+  if (is_any() && params.shadows == Shadows::automatic)
+    meshes = race_shadows(context, shot.projection, tracer, options, std::move(meshes));
+  return is_any() ? meshes : std::vector<bool>();
+}
 
 }  // namespace
 
@@ -100,19 +122,20 @@ std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderPar
   stats.accel_memory_bytes = tracer.memory_bytes();
   const PlanKey key = plan_key(params, context.needs);
   const FramePlan* known = parts.find_plan(key);
+  const ShadingOptions shading = shading_options(parts.shot(), params, context.needs);
   FramePlan plan;
   if (known != nullptr) {
     plan = *known;
   } else {
     plan.packets = choose_packets(context, parts.shot().projection, tracer);
+    plan.exact_shadows = exact_shadows(context, parts.shot(), params, tracer, shading);
     parts.keep_plan(key, plan);
   }
   // A single ray is nowhere better than anywhere else; and rays of shots that follow on each other are not to jump.
   const MotionMask* mask = context.sampler.count() > 1 && !context.needs.over_time()
                                ? &parts.motion_mask(context.filter.radius(), params.crop)
                                : nullptr;
-  return std::make_unique<TcIntegrator>(plan.packets, mask, tracer,
-                                        shading_options(parts.shot(), params, context.needs), context);
+  return std::make_unique<TcIntegrator>(plan, mask, tracer, shading, context);
 }
 
 }  // namespace kairos

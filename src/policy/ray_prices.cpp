@@ -79,6 +79,10 @@ RayWork sample_ray_work(const PixelContext& context, const Shot& shot, const Mot
   return {mean(sum.nodes), mean(sum.triangles), mean(sum.hits), mean(shading.evaluations())};
 }
 
+double tracing_time(double nodes, double triangles, double hits) {
+  return kNode * nodes + kTriangle * triangles + kHit * hits;
+}
+
 RayPrices estimate_prices(const RayWork& work, double key_spans, bool anything_still, ShadingKind shading) {
   if (work.nodes + work.triangles + work.evaluations == 0) return {};  // nothing is known
   const double shade = shading_time(shading);
@@ -86,8 +90,7 @@ RayPrices estimate_prices(const RayWork& work, double key_spans, bool anything_s
   const double discrete = kDiscrete + kDiscreteMost * hits / (hits + kHalfway) + shade;
   const double still = kStill + shade;
   const double evaluations = std::max(1.0, work.evaluations), cheap = std::min(shade, kUnlit);
-  const double tc =
-      kNode * work.nodes + kTriangle * work.triangles + kHit * work.hits + (kEvaluation + cheap) * evaluations;
+  const double tc = tracing_time(work.nodes, work.triangles, work.hits) + (kEvaluation + cheap) * evaluations;
   const double light = (shade - cheap) * evaluations;
   RayPrices prices;
   for (size_t i = 0; i < kFewAreDearer.size(); ++i) prices.tc_ray[i] = (kFewAreDearer[i] * tc + light) / discrete;

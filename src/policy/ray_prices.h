@@ -28,6 +28,9 @@ struct RayWork {
 RayWork sample_ray_work(const PixelContext& context, const Shot& shot, const MotionMask& mask, const Tracer& tracer,
                         const ShadingOptions& options);
 
+/// Nanoseconds for so much work of time-continuous rays, see TraceCounters; only their ratios matter.
+double tracing_time(double nodes, double triangles, double hits);
+
 /// key_spans: see mean_key_spans. anything_still: does any mesh have a single key?
 RayPrices estimate_prices(const RayWork& work, double key_spans, bool anything_still, ShadingKind shading);
 

@@ -189,6 +189,7 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
   if (params.integrator != IntegratorKind::qmc) {
     put("kairos:shading_samples", params.shading_samples);
     put("kairos:clusters", std::string(to_string(clusters_of(params))));
+    if (is_lit(params.shading)) put("kairos:shadows", std::string(to_string(params.shadows)));
   }
   if (params.integrator == IntegratorKind::automatic) put("kairos:calibration", calibration_text(params.calibration));
   put("kairos:sampler", std::string(to_string(params.sampler)));

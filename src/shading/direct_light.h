@@ -5,9 +5,11 @@
 #include <array>
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "shading/light_points.h"
 #include "shading/lights.h"
+#include "shading/lit_shading.h"
 #include "shading/shadow_rays.h"
 #include "shading/surface_point.h"
 
@@ -76,10 +78,26 @@ class DirectLight {
     return arriving(point, value, direction, std::numeric_limits<double>::infinity(), instant, glass_);
   }
 
-  /// Adds to `sums` what all those point, spot and directional lights bring that are each asked. All spans of one
-  /// length; shadow rays to a light go through the scene together.
+  /// Of each of the lights that add_asked() asks and that stand still.
+  void add_resting(const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant,
+                   std::vector<RestingLight>& out) const {
+    if (scatter.is_dark()) return;
+    for (size_t light = 0; light < lights_.punctual_count(); ++light) {
+      if (!lights_.rests(light)) continue;
+      const auto from = lights_.punctual(light, point.position, instant.time, instant.place);
+      const Vec3f radiance = from ? scatter.value(from->direction) * from->irradiance : Vec3f{};
+      if (radiance == Vec3f{} || !is_finite(radiance)) continue;
+      const ShadowRays::Way way = ShadowRays::way_from(point, from->direction, from->dist);
+      out.push_back({way.ray, static_cast<float>(way.dist), radiance});
+    }
+  }
+
+  /// Adds to `sums` what all those point, spot and directional lights bring that are each asked; where without_resting
+  /// says so, without those that stand still. All spans of one length; shadow rays to a light go through the scene
+  /// together.
   void add_asked(std::span<const SurfacePoint> points, std::span<const Scatter> scatters,
-                 std::span<const SampleInstant> instants, std::span<Vec3f> sums) const {
+                 std::span<const SampleInstant> instants, std::span<Vec3f> sums,
+                 std::span<const ShadingQuery> without_resting = {}) const {
     for (size_t begin = 0; begin < points.size(); begin += kTogether) {
       const size_t count = std::min(kTogether, points.size() - begin);
       std::array<ShadowRays::Query, kTogether> queries;
@@ -92,6 +110,7 @@ class DirectLight {
           queries[i] = {&point, &instant, {}, 0};
           values[i] = {};
           if (scatters[begin + i].is_dark()) continue;
+          if (!without_resting.empty() && without_resting[begin + i].without_resting && lights_.rests(light)) continue;
           const auto from = lights_.punctual(light, point.position, instant.time, instant.place);
           if (from) values[i] = scatters[begin + i].value(from->direction) * from->irradiance;
           if (values[i] == Vec3f{}) continue;

@@ -38,12 +38,21 @@ void shade_together(std::span<const ShadingQuery> queries, std::span<Vec3f> colo
       scatters.emplace_back(points.back());
     }
     std::fill(punctual.begin(), punctual.end(), Vec3f{});
-    direct.add_asked(points, scatters, instants, std::span(punctual).first(some.size()));
+    direct.add_asked(points, scatters, instants, std::span(punctual).first(some.size()), some);
     for (size_t i = 0; i < some.size(); ++i) {
       const Vec3f colour = colour_of(some[i], points[i], scatters[i], punctual[i], instants[i]);
       colours[begin + i] = is_finite(colour) ? colour : Vec3f{};
     }
   }
+}
+
+/// What a query sees, and what resting lights bring there.
+template <class Scatter>
+void add_resting_light(const ShadingQuery& query, const SurfacePoints& surfaces, const DirectLight<Scatter>& direct,
+                       std::vector<RestingLight>& lights) {
+  const SampleInstant instant = surfaces.instant(query.time);
+  const SurfacePoint point = surfaces.at(query.ray, query.mesh, query.triangle, query.width, instant);
+  if (is_lit(point)) direct.add_resting(point, Scatter(point), instant, lights);
 }
 
 }  // namespace kairos

@@ -45,6 +45,8 @@ class Lights {
   std::optional<ArrivingLight> punctual(size_t index, Vec3d point, float time, const Place& place) const {
     return arriving(asked_[index], point, time, place);
   }
+  /// Does it stand still in the world?
+  bool rests(size_t index) const { return asked_[index].at == nullptr; }
   bool has_many() const { return !many_.empty(); }
   /// One of all others, by what it is worth, divided by its probability: the expectation is the irradiance of them all
   /// on a surface with this normal. u: uniform in [0, 1).

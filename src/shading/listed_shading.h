@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -9,6 +10,7 @@
 
 #include "math/hash.h"
 #include "pixel/record_builder.h"
+#include "shading/exact_shadows.h"
 #include "shading/segment_shading.h"
 #include "shading/shader.h"
 
@@ -18,12 +20,15 @@ namespace kairos {
 /// spread, not that every triangle has one. So all segments of all rays are laid end to end, sorted by mesh, triangle
 /// and time: neighbours in the list are about the same place at about the same time. Samples lie evenly along it, and
 /// look at lights in the order of a Sobol' sequence, so that neighbours look at different places of them.
-/// docs/method.md, "One list of all that a pixel sees".
+/// docs/method.md, "One list of all that a pixel sees". What shadows are exact on has a list of its own: its samples
+/// leave out the light of which the shadows are, which each ray adds for itself, when it is there.
 ///
 /// One thread's scratch memory.
 class ListedShading {
  public:
-  explicit ListedShading(const Shader& shader) : shader_(shader) {}
+  /// shadows: null where all are sampled.
+  explicit ListedShading(const Shader& shader, const ExactShadows* shadows = nullptr)
+      : shader_(shader), shadows_(shadows) {}
 
   /// samples: per ray that sees something all the time. Appends the parts of all rays' segments to `out`, ray by ray,
   /// and for each ray to `ends` the number of parts after it: they cover exactly what its segments cover, and each is
@@ -31,18 +36,25 @@ class ListedShading {
   /// seen. Returns the number of evaluations.
   uint64_t shade(std::span<const Ray> rays, std::span<const SeenByRay> seen, const TimeRange& window, double samples,
                  uint64_t pixel_seed, uint32_t first_ray, RecordBuilder& out, std::vector<uint32_t>& ends) {
-    make_list(seen);
+    make_lists(seen);
     const double rate = samples / (static_cast<double>(window.end) - static_cast<double>(window.begin));
     sky_rate_ = shader_.sky_varies() ? rate : 0;
     phase_ = unit_float(hash(pixel_seed, first_ray, kListPhase));
-    const uint32_t count = list_.empty() ? 0 : static_cast<uint32_t>(std::max(1.0, std::round(rate * total_)));
+    uint32_t count = 0;
+    for (List& list : lists_) {
+      list.first_sample = count;
+      list.samples = list.total > 0 ? static_cast<uint32_t>(std::max(1.0, std::round(rate * list.total))) : 0;
+      count += list.samples;
+    }
     if (count > 0) take_samples(rays, count, hash(pixel_seed, kListDimension, first_ray));
     first_knot_ = out.add_knots(out.keeps_surfaces() ? 0 : count);
     if (!out.keeps_surfaces())
       for (uint32_t i = 0; i < count; ++i) out.set_knot(first_knot_ + i, queries_[i].time, shades_[i].colour, {}, {});
-    hand_out(rays, seen, window, count, out, ends);
+    hand_out(rays, seen, window, out, ends);
     return count;
   }
+
+  TraceCounters shadow_counters() const { return steps_.counters(); }
 
  private:
   static constexpr uint64_t kListDimension = 8, kListPhase = 9;  // beside those of other samples
@@ -50,70 +62,117 @@ class ListedShading {
   struct Entry {
     const Segment* segment;
     uint32_t ray, number;  // of the segment, counted ray by ray
-    double before;         // what lies before it in the list, in shutter time
+    double before;         // what lies before it in its list, in shutter time
+  };
+  /// Stretches of shutter time, laid end to end.
+  struct List {
+    size_t begin = 0, end = 0;  // of its entries
+    double total = 0;
+    uint32_t first_sample = 0, samples = 0;
   };
 
-  void make_list(std::span<const SeenByRay> seen) {
-    list_.clear();
+  /// 1: exact shadows are on it.
+  size_t list_of(uint32_t mesh) const { return shadows_ != nullptr && shadows_->on(mesh) ? 1 : 0; }
+
+  void make_lists(std::span<const SeenByRay> seen) {
+    entries_.clear();
     uint32_t number = 0;
     for (uint32_t r = 0; r < seen.size(); ++r)
-      for (const Segment& segment : seen[r].segments) list_.push_back({&segment, r, number++, 0});
-    std::sort(list_.begin(), list_.end(), [](const Entry& a, const Entry& b) {
+      for (const Segment& segment : seen[r].segments) entries_.push_back({&segment, r, number++, 0});
+    std::sort(entries_.begin(), entries_.end(), [&](const Entry& a, const Entry& b) {
       const Segment &p = *a.segment, &q = *b.segment;
-      if (p.mesh != q.mesh) return p.mesh < q.mesh;
+      if (p.mesh != q.mesh) {
+        const size_t in = list_of(p.mesh), other = list_of(q.mesh);
+        return in != other ? in < other : p.mesh < q.mesh;
+      }
       if (p.triangle != q.triangle) return p.triangle < q.triangle;
       if (p.begin != q.begin) return p.begin < q.begin;
       return a.number < b.number;
     });
-    before_.resize(list_.size());
-    total_ = 0;
-    for (Entry& entry : list_) {
-      before_[entry.number] = entry.before = total_;
-      total_ += static_cast<double>(entry.segment->end) - static_cast<double>(entry.segment->begin);
+    before_.resize(entries_.size());
+    size_t at = 0;
+    for (size_t l = 0; l < lists_.size(); ++l) {
+      List& list = lists_[l] = {at, at, 0, 0, 0};
+      for (; list.end < entries_.size() && list_of(entries_[list.end].segment->mesh) == l; ++list.end) {
+        Entry& entry = entries_[list.end];
+        before_[entry.number] = entry.before = list.total;
+        list.total += static_cast<double>(entry.segment->end) - static_cast<double>(entry.segment->begin);
+      }
+      at = list.end;
     }
   }
 
-  /// One in each of `count` equal stretches of the list, at the same fraction of all of them: anywhere with the same
-  /// probability.
+  /// One in each of a list's equal stretches, at the same fraction of all of them: anywhere with the same probability.
   void take_samples(std::span<const Ray> rays, uint32_t count, uint64_t seed) {
     queries_.clear();
-    size_t at = 0;
-    for (uint32_t i = 0; i < count; ++i) {
-      const double place = total_ * ((i + static_cast<double>(phase_)) / count);
-      while (at + 1 < list_.size() && list_[at + 1].before <= place) ++at;
-      const Segment& segment = *list_[at].segment;
-      // Half-open: at its very end something else is seen.
-      const float latest = std::max(segment.begin, std::nextafter(segment.end, 0.0f));
-      const float time =
-          std::clamp(segment.begin + static_cast<float>(place - list_[at].before), segment.begin, latest);
-      queries_.push_back({rays[list_[at].ray], segment.mesh, segment.triangle, time, 0, {seed, i}});
+    for (const List& list : lists_) {
+      size_t at = list.begin;
+      for (uint32_t i = 0; i < list.samples; ++i) {
+        const double place = list.total * ((i + static_cast<double>(phase_)) / list.samples);
+        while (at + 1 < list.end && entries_[at + 1].before <= place) ++at;
+        const Segment& segment = *entries_[at].segment;
+        // Half-open: at its very end something else is seen.
+        const float latest = std::max(segment.begin, std::nextafter(segment.end, 0.0f));
+        const float time =
+            std::clamp(segment.begin + static_cast<float>(place - entries_[at].before), segment.begin, latest);
+        queries_.push_back({rays[entries_[at].ray],
+                            segment.mesh,
+                            segment.triangle,
+                            time,
+                            0,
+                            {seed, list.first_sample + i},
+                            list_of(segment.mesh) == 1});
+      }
     }
     shades_.resize(count);
     shader_.shade(queries_, shades_);
   }
 
-  /// Cuts segments where one stretch of the list ends and the next begins.
-  void hand_out(std::span<const Ray> rays, std::span<const SeenByRay> seen, const TimeRange& window, uint32_t count,
-                RecordBuilder& out, std::vector<uint32_t>& ends) const {
-    const double per_sample = total_ / count;
+  /// Cuts segments where one stretch of their list ends and the next begins.
+  void hand_out(std::span<const Ray> rays, std::span<const SeenByRay> seen, const TimeRange& window, RecordBuilder& out,
+                std::vector<uint32_t>& ends) {
     uint32_t number = 0;
     for (size_t r = 0; r < rays.size(); ++r) {
       float time = window.begin;
+      uint32_t looked_mesh = kNoMesh, looked_triangle = 0;
       for (const Segment& segment : seen[r].segments) {
         add_sky(rays[r], time, segment.begin, out);
         time = segment.end;
-        const double before = before_[number++];
-        auto sample = static_cast<uint32_t>(std::min(before / per_sample, static_cast<double>(count - 1)));
+        const bool exact = list_of(segment.mesh) == 1;
+        if (exact && (segment.mesh != looked_mesh || segment.triangle != looked_triangle)) {
+          steps_.look(*shadows_, rays[r], segment.mesh, segment.triangle, window);
+          looked_mesh = segment.mesh;
+          looked_triangle = segment.triangle;
+        }
+        const List& list = lists_[exact ? 1 : 0];
+        const double before = before_[number++], per_sample = list.total / list.samples;
+        auto sample = static_cast<uint32_t>(std::min(before / per_sample, static_cast<double>(list.samples - 1)));
         for (float begin = segment.begin; begin < segment.end; ++sample) {
           const double cut = static_cast<double>(segment.begin) + ((sample + 1) * per_sample - before);
-          const float end = sample + 1 == count ? segment.end : std::min(segment.end, static_cast<float>(cut));
+          const float end = sample + 1 == list.samples ? segment.end : std::min(segment.end, static_cast<float>(cut));
           if (!(begin < end)) continue;
-          out.add_part(part_of(segment, begin, end, knot(rays[r], segment, begin, end, sample, out)));
+          if (exact)
+            add_steps(rays[r], segment, begin, end, list.first_sample + sample, out);
+          else
+            out.add_part(part_of(segment, begin, end, knot(rays[r], segment, begin, end, sample, out)));
           begin = end;
         }
       }
       add_sky(rays[r], time, window.end, out);
       ends.push_back(out.part_count());
+    }
+  }
+
+  /// A sample's stretch of a segment with exact shadows on it: cut where these change.
+  void add_steps(const Ray& ray, const Segment& segment, float begin, float end, uint32_t sample, RecordBuilder& out) {
+    for (const auto& step : steps_.steps()) {
+      if (!(step.end > begin)) continue;
+      const float until = std::min(end, step.end), middle = begin + (until - begin) * 0.5f;
+      const Vec3f colour = shader_.limited(shades_[sample].colour + step.light);
+      const Shade own = out.keeps_surfaces() ? shader_.surface(ray, segment.mesh, segment.triangle, middle) : Shade{};
+      out.add_part(part_of(segment, begin, until, out.add_knot(middle, colour, own.normal, own.albedo)));
+      begin = until;
+      if (!(begin < end)) return;
     }
   }
 
@@ -143,12 +202,15 @@ class ListedShading {
   }
 
   const Shader& shader_;
-  std::vector<Entry> list_;
-  std::vector<double> before_;  // [number of a segment]: what lies before it in the list
-  double total_ = 0, sky_rate_ = 0;
+  const ExactShadows* const shadows_;
+  std::vector<Entry> entries_;  // list by list
+  std::array<List, 2> lists_;
+  std::vector<double> before_;  // [number of a segment]: what lies before it in its list
+  double sky_rate_ = 0;
   float phase_ = 0;
   std::vector<ShadingQuery> queries_;
   std::vector<Shade> shades_;
+  RestingLightSteps steps_;
   uint32_t first_knot_ = 0;
 };
 

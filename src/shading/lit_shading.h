@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include <kairos/render.h>
 
@@ -16,6 +17,14 @@ struct ShadingQuery {
   float time = 0;    ///< of the shutter
   double width = 0;  ///< of the ray's cone where it meets the triangle
   SampleKey key;
+  bool without_resting = false;  ///< leave out what LitShading::resting_light() gives
+};
+
+/// What a light that stands still brings to a surface that does, if nothing is in its way.
+struct RestingLight {
+  Ray way;         ///< from the surface to the light
+  float dist;      ///< of its end, in lengths of its direction
+  Vec3f radiance;  ///< that leaves the surface to the viewer
 };
 
 /// Safe to use from many threads at once.
@@ -27,6 +36,10 @@ class LitShading {
   /// the answer. What is traced on the way are discrete rays at the query's time; those from one pixel to one light go
   /// through the scene together. Both spans of one length. Colours are finite.
   virtual void radiance(std::span<const ShadingQuery> queries, std::span<Vec3f> colours) const = 0;
+
+  /// Appends what each of the point, spot and directional lights that are all asked and stand still brings to what a
+  /// query sees, but for those that bring nothing.
+  virtual void resting_light(const ShadingQuery& query, std::vector<RestingLight>& lights) const = 0;
 };
 
 }  // namespace kairos

@@ -21,7 +21,10 @@ namespace kairos {
 class PacketShading {
  public:
   PacketShading(const Shader& shader, const ShadingOptions& options)
-      : shader_(shader), options_(options), single_(shader, of_single_rays(shader, options)), listed_(shader) {}
+      : shader_(shader),
+        options_(options),
+        single_(shader, of_single_rays(shader, options)),
+        listed_(shader, options.shadows) {}
 
   /// The rays of a pixel that are shaded together, as they were traced together.
   struct Packet {
@@ -52,6 +55,7 @@ class PacketShading {
   }
 
   uint64_t evaluations() const { return single_.evaluations() + evaluations_; }
+  TraceCounters shadow_counters() const { return listed_.shadow_counters(); }  ///< of exact shadows
 
  private:
   /// All that the packet's rays see of one triangle, laid end to end: ray by ray, in time order.

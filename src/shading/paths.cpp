@@ -45,6 +45,10 @@ Paths::Paths(const Shot& shot, const Looks& looks, const Sky& sky, std::shared_p
       has_one_sided_(
           std::any_of(shot.meshes.begin(), shot.meshes.end(), [](const Mesh& mesh) { return mesh.one_sided; })) {}
 
+void Paths::resting_light(const ShadingQuery& query, std::vector<RestingLight>& lights) const {
+  add_resting_light(query, points_, direct_, lights);
+}
+
 void Paths::radiance(std::span<const ShadingQuery> queries, std::span<Vec3f> colours) const {
   shade_together(
       queries, colours, points_, direct_,

@@ -30,6 +30,7 @@ class Paths : public LitShading {
         double cone_spread, const PathOptions& options);
 
   void radiance(std::span<const ShadingQuery> queries, std::span<Vec3f> colours) const override;
+  void resting_light(const ShadingQuery& query, std::vector<RestingLight>& lights) const override;
 
  private:
   using Sample = Scattering::Sample;

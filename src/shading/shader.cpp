@@ -119,6 +119,24 @@ Shade Shader::shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time
   return shade;
 }
 
+void Shader::resting_light(ShadingQuery& query, std::vector<RestingLight>& lights) const {
+  look(query.ray, query.mesh, query.triangle, query.time, query.width);
+  lit_->resting_light(query, lights);
+}
+
+std::vector<bool> Shader::resting_receivers() const {
+  std::vector<bool> rest(shot_.meshes.size());
+  if (!lit_ || shot_.camera_moves) return rest;
+  for (uint32_t m = 0; m < shot_.meshes.size(); ++m) {
+    const Mesh& mesh = shot_.meshes[m];
+    const Material& material = looks_->material(m);
+    if (mesh.one_sided || material.transmission > 0 || (cut_outs_ && cut_outs_->is_blended(m)))
+      return std::vector<bool>(rest.size());
+    rest[m] = mesh.is_static() && mesh.normal_key_count() < 2 && !material.unlit;
+  }
+  return rest;
+}
+
 void Shader::shade(std::span<ShadingQuery> queries, std::span<Shade> shades) const {
   for (size_t i = 0; i < queries.size(); ++i) {
     ShadingQuery& query = queries[i];

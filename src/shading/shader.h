@@ -48,6 +48,14 @@ class Shader {
   }
   bool is_lit() const { return lit_ != nullptr; }
 
+  /// Of a lit picture: see LitShading. The query's width is filled in.
+  void resting_light(ShadingQuery& query, std::vector<RestingLight>& lights) const;
+  /// [mesh]: where resting_light() may be part of what is seen: opaque things that rest before a camera that does, in a
+  /// lit scene in which all that hides anything hides all of it, from both sides.
+  std::vector<bool> resting_receivers() const;
+  /// As pictures limit what rays bring.
+  Vec3f limited(Vec3f colour) const { return shot_.limited(colour); }
+
   /// False when all instants at which a ray sees one of the mesh's triangles look the same.
   bool varies(uint32_t mesh) const { return varies_[mesh]; }
 

@@ -36,6 +36,14 @@ class ShadowRays {
   ShadowRays(const Looks& looks, const SurfacePoints& points, std::shared_ptr<const DiscreteScene> scene)
       : looks_(looks), points_(points), scene_(std::move(scene)) {}
 
+  /// A ray with an end.
+  struct Way {
+    Ray ray;
+    double dist;  ///< to look along it, in lengths of its direction
+  };
+  /// From the point to where something lies, `dist` along `direction`; the ray starts a little off the surface.
+  static Way way_from(const SurfacePoint& point, Vec3d direction, double dist);
+
   /// Which part of the light gets through to the point. dist: of the light.
   Vec3f open(const SurfacePoint& point, Vec3d direction, double dist, const SampleInstant& instant,
              Glass glass = Glass::straight) const;
@@ -56,13 +64,6 @@ class ShadowRays {
   const DiscreteScene& scene() const { return *scene_; }
 
  private:
-  /// A ray with an end.
-  struct Way {
-    Ray ray;
-    double dist;  ///< to look along it, in lengths of its direction
-  };
-  /// From the point to where something lies, `dist` along `direction`; the ray starts a little off the surface.
-  static Way way_from(const SurfacePoint& point, Vec3d direction, double dist);
   Vec3f through_panes(Way way, double width, const SampleInstant& instant, Glass glass = Glass::straight) const;
   /// Of light that comes through a face of glass, straight.
   Vec3f through(const SurfacePoint& glass) const;

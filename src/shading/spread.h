@@ -13,6 +13,8 @@
 
 namespace kairos {
 
+class ExactShadows;
+
 /// How time-continuous rays are shaded. See RenderParams.
 struct ShadingOptions {
   double samples = 8;                ///< per ray, while the shutter is open
@@ -21,6 +23,7 @@ struct ShadingOptions {
   TimeGrid grid{8};
   float contrast = 0, dark = 0;  ///< these and what follows: see RecordNeeds
   float looks_begin = 0, looks_end = 1;
+  const ExactShadows* shadows = nullptr;  ///< with Clusters::pixel alone; null: all are sampled
 };
 inline Clusters clusters_of(const RenderParams& params) {
   return params.clusters == Clusters::automatic ? Clusters::pixel : params.clusters;

@@ -67,6 +67,10 @@ Whitted::Whitted(const Shot& shot, const Looks& looks, const Sky& sky, std::shar
       cone_spread_(cone_spread),
       max_depth_(max_depth) {}
 
+void Whitted::resting_light(const ShadingQuery& query, std::vector<RestingLight>& lights) const {
+  add_resting_light(query, points_, direct_, lights);
+}
+
 void Whitted::radiance(std::span<const ShadingQuery> queries, std::span<Vec3f> colours) const {
   shade_together(queries, colours, points_, direct_,
                  [&](const ShadingQuery& query, const SurfacePoint& point, const Scatter& scatter, Vec3f punctual,

@@ -23,6 +23,7 @@ class Whitted : public LitShading {
           double cone_spread, int max_depth);
 
   void radiance(std::span<const ShadingQuery> queries, std::span<Vec3f> colours) const override;
+  void resting_light(const ShadingQuery& query, std::vector<RestingLight>& lights) const override;
 
  private:
   /// The balance of light at a point, as DirectLight wants it.

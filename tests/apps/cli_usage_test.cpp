@@ -132,6 +132,7 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--spp", "5"},
                                                        {"--sampler", "multi-jitter"},
                                                        {"--clusters", "on"},
+                                                       {"--shadows", "exact"},
                                                        {"--shading", "flat"},
                                                        {"--max-depth", "3"},
                                                        {"--clamp", "2"},

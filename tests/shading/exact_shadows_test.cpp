@@ -1,0 +1,143 @@
+// Shadows exact in time: what passes between a resting surface and a resting light.
+#include "shading/exact_shadows.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include <kairos/render.h>
+
+#include "seed.h"
+#include "whitted_scene.h"
+
+namespace kairos {
+namespace {
+
+/// Slides along x while the shutter is open.
+Mesh sliding(Mesh mesh, float way) {
+  mesh.positions.push_back(mesh.positions[0]);
+  for (Vec3f& p : mesh.positions[1]) p.x += way;
+  mesh.key_times = {0, 1};
+  return mesh;
+}
+
+/// A floor that fills the frame, seen from above (along -z), with light that comes to it along (1, 0, -1) and a hundred
+/// narrow slats on its way, out of sight.
+Shot slats(int count, float way) {
+  Shot shot;
+  shot.materials = {lambert({0.5f, 0.5f, 0.5f})};
+  shot.meshes = {parallelogram({-20, -20, -10}, {40, 0, 0}, {0, 40, 0}, 0)};
+  const float apart = 8.0f / static_cast<float>(count);
+  for (int i = 0; i < count; ++i)
+    shot.meshes.push_back(
+        sliding(parallelogram({-12 + apart * static_cast<float>(i), -5, -2}, {apart / 2, 0, 0}, {0, 10, 0}, 0), way));
+  shot.lights = {DirectionalLight{{1, 0, -1}, {3, 3, 3}}};
+  shot.projection.width = 8;
+  shot.projection.height = 6;
+  shot.projection.orthographic = true;
+  shot.projection.view_height = 0.1;
+  return shot;
+}
+
+RenderParams params_of(Shadows shadows, int rays, int samples, ShadingKind shading = ShadingKind::whitted) {
+  RenderParams params;
+  params.integrator = IntegratorKind::tc;
+  params.shading = shading;
+  params.shadows = shadows;
+  params.tc_rays = rays;
+  params.shading_samples = samples;
+  return params;
+}
+
+TEST(ExactShadows, OfSlatsThatPass) {
+  // The edges pass each point of the floor: of one slat, for 0.1 of the way that is 2 units long.
+  Shot shot = slats(1, 2);
+  shot.meshes[1] = sliding(parallelogram({-9, -5, -2}, {0.2f, 0, 0}, {0, 10, 0}, 0), 2);
+  const double lit = 3 / std::numbers::sqrt2 * 0.5 / std::numbers::pi;
+  for (const ShadingKind shading : {ShadingKind::whitted, ShadingKind::path}) {
+    const Image image = render(shot, params_of(Shadows::exact, 1, 1, shading));
+    for (const float value : image.find("R")->values) EXPECT_NEAR(value, 0.9 * lit, 1e-5 * lit);
+  }
+}
+
+TEST(ExactShadows, AgreeWithSampledOnesInTheMean) {
+  std::mt19937 random(test::seed());
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  Shot shot = slats(20, 1);
+  for (int i = 0; i < 6; ++i)  // seen by the camera, some at rest
+    shot.meshes.push_back(ball({0.04f * uniform(random), 0.04f * uniform(random), -5 + uniform(random)}, 0.02f, 6, 0));
+  for (size_t m = shot.meshes.size() - 3; m < shot.meshes.size(); ++m) shot.meshes[m] = sliding(shot.meshes[m], 0.05f);
+  shot.lights.push_back(PointLight{{1, 0.5f, -1}, {30, 20, 10}});
+  shot.lights.push_back(ConstantLight{{0.2f, 0.2f, 0.2f}});
+  const uint32_t first = test::seed();
+  const auto mean = [&](Shadows shadows) {
+    double sum = 0;
+    RenderParams params = params_of(shadows, 64, 8);
+    for (uint64_t seed = 0; seed < 4; ++seed) {
+      params.seed = first + seed;
+      const Image image = render(shot, params);
+      for (const float value : image.find("R")->values) sum += static_cast<double>(value) / 4 / 48;
+    }
+    return sum;
+  };
+  const double sampled = mean(Shadows::sampled), exact = mean(Shadows::exact);
+  EXPECT_NEAR(exact, sampled, 0.004 * sampled);
+}
+
+/// How many time-continuous rays went to lights: counters of nodes beside those of the same picture without any.
+bool uses_exact(const Shot& shot, int samples) {
+  RenderStats automatic, sampled;
+  render(shot, params_of(Shadows::automatic, 4, samples), &automatic);
+  render(shot, params_of(Shadows::sampled, 4, samples), &sampled);
+  return automatic.counters.triangles > sampled.counters.triangles;
+}
+
+TEST(ExactShadows, AreChosenWhereTheyAreWorthIt) {
+  Shot shot = slats(100, 4);
+  shot.projection.width = shot.projection.height = 64;
+  EXPECT_TRUE(uses_exact(shot, 8));
+  // Nothing moves but something far off: one discrete ray says as much.
+  Shot still = slats(400, 0);
+  for (size_t m = 1; m < still.meshes.size(); ++m) {
+    still.meshes[m].positions.resize(1);
+    still.meshes[m].key_times.clear();
+  }
+  still.meshes.push_back(sliding(parallelogram({100, 0, -2}, {1, 0, 0}, {0, 1, 0}, 0), 1));
+  still.projection.width = still.projection.height = 64;
+  still.projection.view_height = 4;
+  EXPECT_FALSE(uses_exact(still, 1));
+}
+
+TEST(ExactShadows, AreNotForWhatMovesOrLetsLightThrough) {
+  Shot shot = slats(4, 2);
+  const auto receivers = [&] { return Shader(shot, ShadingKind::whitted, false).resting_receivers(); };
+  EXPECT_EQ(receivers(), (std::vector<bool>{true, false, false, false, false}));
+  shot.materials.push_back(glass(1.5f));
+  EXPECT_TRUE(receivers()[0]);
+  shot.meshes[1].material = 1;
+  EXPECT_FALSE(receivers()[0]);
+  shot.meshes[1].material = 0;
+  shot.meshes[1].one_sided = true;
+  EXPECT_FALSE(receivers()[0]);
+  shot.meshes[1].one_sided = false;
+  shot.camera_moves = true;
+  EXPECT_FALSE(receivers()[0]);
+}
+
+TEST(ExactShadows, AreTheSameInACropAndForAnyNumberOfThreads) {
+  const Shot shot = slats(20, 2);
+  RenderParams params = params_of(Shadows::automatic, 4, 2);
+  const Image whole = render(shot, params);
+  params.threads = 1;
+  params.crop = Crop{2, 6, 1, 5};
+  const Image part = render(shot, params);
+  for (int y = 1; y < 5; ++y)
+    for (int x = 2; x < 6; ++x)
+      EXPECT_EQ(part.find("R")->values[static_cast<size_t>((y - 1) * 4 + x - 2)],
+                whole.find("R")->values[static_cast<size_t>(y * 8 + x)]);
+}
+
+}  // namespace
+}  // namespace kairos
