@@ -44,6 +44,17 @@ NodeHits test_node(const Kernels& kernels, const BoxCase& c) {
   return hits;
 }
 
+/// A ray along an axis that begins in the plane of one of the box's faces only touches it there. Nodes are tested with
+/// directions that are nowhere zero (kLeastDirection): whether such a ray is within or just beyond the face is open.
+bool touches_face(const BoxCase& c) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (size_t key = 0; key < 2; ++key)
+      if (c.ray.direction[axis] == 0 &&
+          (c.ray.origin[axis] == c.lower[key][axis] || c.ray.origin[axis] == c.upper[key][axis]))
+        return true;
+  return false;
+}
+
 void check(const std::vector<BoxCase>& cases, const char* what) {
   for (const InstructionSet set : supported_instruction_sets()) {
     const Kernels* kernels = find_kernels(set);
@@ -56,6 +67,7 @@ void check(const std::vector<BoxCase>& cases, const char* what) {
         EXPECT_TRUE(hits.mask == 0 || c.ill) << what << ": a hit where there is none";
         continue;
       }
+      if (hits.mask == 0 && touches_face(c)) continue;
       ASSERT_EQ(hits.mask, 0xffu) << what << ' ' << to_string(set) << ": a hit is missed";
       ++met;
       for (size_t slot = 0; slot < kWidth; ++slot) {
