@@ -1,4 +1,4 @@
-// Any bytes as a file of events. The first says of which kind.
+// Any bytes as a file of events, or as what is kept of an unfinished recording. The first says of which kind.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -7,6 +7,7 @@
 
 #include "event_io/ecf.h"
 #include "event_io/event_format.h"
+#include "events/recording_state.h"
 
 namespace {
 
@@ -27,9 +28,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size == 0) return 0;
   Checker checker;
   try {
-    const size_t which = data[0] % (kReaders.size() + 1);
+    const size_t which = data[0] % (kReaders.size() + 2);
     if (which < kReaders.size()) {
       kReaders[which]("file", {data + 1, size - 1}, checker);
+    } else if (which > kReaders.size()) {
+      kairos::recording_bytes(kairos::parse_recording({data + 1, size - 1}));
     } else {  // what HDF5 files of Metavision hold in each chunk
       for (const auto& event : kairos::ecf::decode({data + 1, size - 1}, "chunk"))
         if (event.time < 0 || event.x > 2052 || event.y > 2047) __builtin_trap();

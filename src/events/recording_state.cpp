@@ -74,6 +74,13 @@ void each_number(Stats& stats, const Body& body) {
   body(stats.cpu_seconds);
 }
 
+/// Of bytes that may be any.
+bool is_bool(const bool& value) {
+  uint8_t byte = 0;
+  std::memcpy(&byte, &value, 1);
+  return byte < 2;
+}
+
 }  // namespace
 
 std::vector<uint8_t> recording_bytes(const RecordingState& state) {
@@ -119,6 +126,8 @@ RecordingState parse_recording(std::span<const uint8_t> bytes) {
       pixels.pixels.size() != static_cast<uint64_t>(pixels.width) * static_cast<uint64_t>(pixels.height) ||
       (!state.late.labels.empty() && state.late.labels.size() != state.late.events.size()))
     refuse_state();
+  for (const PixelState& pixel : pixels.pixels)
+    if (!is_bool(pixel.started) || !is_bool(pixel.stale)) refuse_state();
   return state;
 }
 
