@@ -134,6 +134,12 @@ struct RayState {
     if (limited && !segments.empty()) {  // slivers at the shutter's ends may have been added to what is beside them
       segments.front().begin = std::max(segments.front().begin, limits.window_begin);
       segments.back().end = std::min(segments.back().end, limits.window_end);
+      // Where a hit is cut to what is seen of it, its distance there is rounded.
+      for (auto* seen : {&segments, &blended})
+        for (Segment& segment : *seen) {
+          segment.dist_begin = std::min(segment.dist_begin, limits.max_dist);
+          segment.dist_end = std::min(segment.dist_end, limits.max_dist);
+        }
     }
     counters.segments += segments.size() + blended.size() + covered.size();
     if (scaled.is_as_given()) return;

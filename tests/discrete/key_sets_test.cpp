@@ -163,7 +163,8 @@ TEST(Discrete, AThousandKeySetsAreFewTrees) {
     const float time = std::abs(uniform(random));
     const auto expected = one.intersect(ray, time), got = many.intersect(ray, time);
     if (expected.has_value() != got.has_value() || (got && got->mesh != expected->mesh)) {
-      // Rounding decides at an edge.
+      // Rounding decides at an edge, and where two are equally far.
+      if (got && expected && std::abs(got->dist - expected->dist) < 1e-5f * got->dist) continue;
       const auto aside = one.intersect({ray.origin + Vec3f{1e-5f, 0, 0}, ray.direction}, time);
       const auto other = one.intersect({ray.origin - Vec3f{1e-5f, 0, 0}, ray.direction}, time);
       ASSERT_TRUE(aside.has_value() != other.has_value() || (aside && aside->mesh != other->mesh)) << "ray " << i;
