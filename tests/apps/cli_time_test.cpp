@@ -246,7 +246,7 @@ TEST_F(CliTime, LosesNothingWhenItIsKilled) {
     const CliResult info = run("info out.ktime.part --json");
     left += info.status == 0 && json::parse(info.out, nullptr, false).at("tiles_there") > 0;
   }
-  if (left == 0) GTEST_SKIP() << "this machine is too slow, or too fast";
+  ASSERT_GT(left, 0u) << "no moment was one at which some tiles were there: the moments have to be others here";
   ok(render + "out.ktime");
   EXPECT_TRUE(read(path("out.ktime")) == read(path("whole.ktime")));
   EXPECT_FALSE(exists("out.ktime.part"));

@@ -1,5 +1,6 @@
 // Discrete rays against moving triangles whose answers are known.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -155,6 +156,14 @@ TEST(Discrete, MoreKeysThanEmbreeTakes) {
     xs.push_back(k % 2 ? 0.01f : -0.01f);
   }
   expect_follows(make_slider(times, xs, -5), xs);
+}
+
+TEST(Discrete, LooksNoFartherThanAsked) {
+  const std::vector<Mesh> meshes{make_slider({}, {0}, -5)};
+  const DiscreteScene scene(meshes);
+  EXPECT_TRUE(scene.intersect(ray_at(0), 0.5f, 5.01f));
+  EXPECT_FALSE(scene.intersect(ray_at(0), 0.5f, 4.99f));
+  EXPECT_FALSE(scene.intersect(ray_at(0), 0.5f, NAN));
 }
 
 TEST(Discrete, EmptyAndBroken) {

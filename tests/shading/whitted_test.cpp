@@ -419,27 +419,5 @@ TEST(Whitted, PicturesAreTheSameForAnyNumberOfThreadsAndAnyCrop) {
   }
 }
 
-TEST(LightPoints, AreSpreadEvenlyInEachDimensionAndOverTime) {
-  for (const uint64_t seed : {1u, 2u, 77u}) {
-    std::array<std::array<int, 64>, 3> strata{};
-    for (uint32_t i = 0; i < 64; ++i) {
-      const auto point = light_point(SampleKey{seed, i}.branch(5));
-      for (size_t d = 0; d < 3; ++d) ++strata[d][static_cast<size_t>(point[d] * 64)];
-    }
-    for (const auto& dimension : strata)
-      for (const int count : dimension) EXPECT_EQ(count, 1);
-  }
-  EXPECT_NE(light_point({1, 0}), light_point({2, 0}));
-}
-
-TEST(DiscreteScene, LooksNoFartherThanAsked) {
-  const std::vector<Mesh> meshes{kFloor};
-  const DiscreteScene scene(meshes);
-  const Ray ray{{0, 1, 0}, {0, -1, 0}};
-  EXPECT_TRUE(scene.intersect(ray, 0.5f, 2.01f));
-  EXPECT_FALSE(scene.intersect(ray, 0.5f, 1.99f));
-  EXPECT_FALSE(scene.intersect(ray, 0.5f, NAN));
-}
-
 }  // namespace
 }  // namespace kairos
