@@ -1,0 +1,74 @@
+#include "integrators/mixed_frame.h"
+
+#include <algorithm>
+
+#include "math/hash.h"
+
+namespace kairos {
+
+namespace {
+
+constexpr double kLeastPrice = 0.05;  // of a sample of what stands still, even where nothing does
+
+// Tell random numbers of different uses from each other.
+constexpr uint64_t kShareSeed = 0x5741;
+constexpr uint64_t kRaceSeed = 0x5261;
+
+/// A blended surface that stands still hides nothing, so it is no occluder hint, and is traced with what moves.
+bool has_still_blended(const Shot& shot, const Shader& shader) {
+  for (uint32_t m = 0; m < shot.meshes.size(); ++m)
+    if (shot.meshes[m].is_static() && shader.cut_outs() && shader.cut_outs()->is_blended(m)) return true;
+  return false;
+}
+
+bool has_still_mesh(const Shot& shot) {
+  return std::any_of(shot.meshes.begin(), shot.meshes.end(), [](const Mesh& mesh) { return mesh.is_static(); });
+}
+
+}  // namespace
+
+MixedFrame::MixedFrame(ShotParts& parts, const RenderParams& render_params, const PixelContext& pixel_context)
+    : shot(parts.shot()),
+      context(pixel_context),
+      params(render_params),
+      automatic(params.integrator == IntegratorKind::automatic),
+      budget(static_cast<uint32_t>(std::max(params.spp, automatic ? 1 : params.tc_rays))),
+      fixed_plan{static_cast<uint32_t>(params.tc_rays), budget},
+      share_points(SamplerKind::owen_sobol, kShareRays, hash(params.seed, kShareSeed)),
+      race_points{Sampler(params.sampler, context.sampler.count(), hash(params.seed, kRaceSeed, 0)),
+                  Sampler(params.sampler, context.sampler.count(), hash(params.seed, kRaceSeed, 1))},
+      shading(shading_options(parts.shot(), params, context.needs)),
+      mask(parts.motion_mask(context.filter.radius(), params.crop)),
+      scene(parts.discrete(params.discrete_keys)),
+      occluder_hints(!has_still_blended(shot, context.shader)),
+      tracer(parts.tracer(params.instruction_set, occluder_hints)),
+      still_layer_is_empty(!has_still_mesh(shot) && !context.shader.has_sky()) {}
+
+void MixedFrame::estimate() {
+  if (mask.empty() && context.needs.time != RecordNeeds::Time::segments) return;
+  plan.packets = choose_packets(context, shot.projection, tracer);
+  if (!automatic) return;
+  if (params.calibration) {
+    plan.prices = prices_of(*params.calibration);
+  } else {
+    const RayWork work = sample_ray_work(context, shot, mask, tracer, shading);
+    plan.prices = estimate_prices(work, mean_key_spans(shot), has_still_mesh(shot), params.shading);
+  }
+  plan.allotment = Allotment(budget, plan.prices);
+}
+
+PixelPlan MixedFrame::plan_pixel(int x, int y) const {
+  if (!automatic) return fixed_plan;
+  if (context.needs.over_time()) return plan.allotment.plan_over_time(dither(x, y));
+  if (!still_layer_is_empty && budget < kLeastForStill) return {0, budget};
+  if (will_race) return plan.allotment.plan_over_time(dither(x, y));
+  if (plan.race)
+    return plan.race->tc_wins(speed(x, y)) ? plan.allotment.plan_over_time(dither(x, y)) : PixelPlan{0, budget};
+  return plan.allotment.plan(speed(x, y), dither(x, y));
+}
+
+double MixedFrame::sample_price(DiscreteLayer layer) const {
+  return layer == DiscreteLayer::all ? 1 : std::clamp(plan.prices.still_ray, kLeastPrice, 1.0);
+}
+
+}  // namespace kairos

@@ -1,0 +1,59 @@
+// What mixed and auto know of the whole frame, and which rays each pixel gets by it.
+#pragma once
+
+#include <array>
+
+#include "discrete/discrete_scene.h"
+#include "integrators/frame_plan.h"
+#include "integrators/integrator.h"
+#include "motion/motion_mask.h"
+#include "shading/packet_shading.h"
+
+namespace kairos {
+
+/// By which the share of the still layer in a pixel is found: a twentieth of the time of four time-continuous rays.
+inline constexpr uint32_t kShareRays = 4;
+
+/// Is changed only before the first pixel.
+class MixedFrame {
+ public:
+  /// What is referred to has to outlive it.
+  MixedFrame(ShotParts& parts, const RenderParams& params, const PixelContext& context);
+
+  /// Traces a few rays all over the frame: sets the plan's packets, prices and allotment.
+  void estimate();
+
+  /// Pixels that something moves by while this one looks.
+  double speed(int x, int y) const { return mask.speed(x, y) * static_cast<double>(context.times(x, y).duration()); }
+
+  /// May a pixel get time-continuous rays? Who needs exact segments needs them everywhere.
+  bool is_over_time(int x, int y) const {
+    return context.needs.time == RecordNeeds::Time::segments || mask.moves(x, y);
+  }
+
+  /// For a pixel that may get time-continuous rays.
+  PixelPlan plan_pixel(int x, int y) const;
+
+  /// Of a discrete sample, where nothing moves and where something does.
+  double sample_price(DiscreteLayer layer) const;
+
+  const Shot& shot;
+  const PixelContext& context;
+  const RenderParams params;
+  const bool automatic;        ///< plan per pixel
+  const uint32_t budget;       ///< samples of a pixel
+  const PixelPlan fixed_plan;  ///< where it is not automatic
+  const Sampler share_points;
+  const std::array<Sampler, 2> race_points;
+  const ShadingOptions shading;
+  const MotionMask& mask;
+  const DiscreteScene& scene;
+  const bool occluder_hints;  ///< are still rays traced first, as occluder hints?
+  const Tracer& tracer;
+  const bool still_layer_is_empty;  ///< but for a background that is the same everywhere
+
+  FramePlan plan;
+  bool will_race = false;  ///< until then any pixel may get time-continuous rays
+};
+
+}  // namespace kairos

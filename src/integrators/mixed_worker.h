@@ -1,0 +1,71 @@
+// One pixel of mixed and auto: time-continuous rays for what moves, discrete rays for what stands still.
+// docs/method.md, "Static and moving in one pixel".
+//
+// Let L_k be what time-continuous ray k sees. Still rays are cheap, so there are more of them. With their mean S and
+// the mean S' over those that lie on the time-continuous rays' own places, the control variate
+//   I = mean_k(L_k) + B (S - S')
+// takes from the still layer (background included) the noise of the few rays and puts in that of the many, if B is
+// about the share of the shutter in which it is seen. B must know nothing of the rays k: W_k, the share that ray k
+// sees, goes with the colour along it, and I would be biased. Its second term is handed on as a term of its own,
+// PixelRecord::still.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "integrators/contrast.h"
+#include "integrators/discrete_samples.h"
+#include "integrators/mixed_frame.h"
+#include "integrators/still_layer.h"
+#include "motion/aligned_points.h"
+
+namespace kairos {
+
+class MixedWorker : public Integrator::Worker {
+ public:
+  explicit MixedWorker(const MixedFrame& frame);
+
+  const PixelRecord& render_pixel(int x, int y, Monitor& monitor) override;
+  void add_counts(RenderStats& stats) const override;
+  /// Those alone that looks have, too.
+  void add_ray_counts(RenderStats& stats) const;
+
+  /// What the pixel gets.
+  PixelPlan begin_pixel(int x, int y, Monitor& monitor);
+  /// What a pixel's first samples say.
+  PixelLook look_at(int x, int y, Monitor& monitor);
+  /// How many still rays a pixel takes beside time-continuous ones, as a share of the budget.
+  double still_rays_share(int x, int y);
+
+  /// Squared, of a pixel.
+  struct RaceErrors {
+    double tc = 0, discrete = 0;
+  };
+  /// By both kinds of ray for the same price.
+  RaceErrors race(int x, int y, Monitor& monitor);
+
+ private:
+  bool has_still_edge_in_front(int x, int y, Monitor& monitor);
+  void render_discrete(int x, int y, const Sampler::Pixel& pixel, DiscreteLayer layer, Monitor& monitor);
+  void render_moving(int x, int y, const Sampler::Pixel& pixel, const PixelPlan& plan, Monitor& monitor);
+  void add_still_term(int x, int y, const PixelPlan& plan, Monitor& monitor);
+  double find_still_share(int x, int y);
+
+  const MixedFrame& frame_;
+  const PixelContext& context_;
+  Tracer::Workspace workspace_;
+  PacketShading shading_;
+  std::vector<uint32_t> ends_;  // [ray of a packet]: of its parts
+  AlignedPoints align_;         // of the pixel's time-continuous rays
+  StillLayer still_layer_;
+  DiscreteSamples samples_;
+  Contrast contrast_;
+  RecordBuilder record_;
+  std::array<Ray, Tracer::kMaxPacket> batch_;
+  std::array<Vec2f, Tracer::kMaxPacket> film_{};
+  std::array<float, Tracer::kMaxPacket> times_{};
+  uint64_t moving_pixels_ = 0, tc_pixels_ = 0, share_rays_ = 0;
+};
+
+}  // namespace kairos
