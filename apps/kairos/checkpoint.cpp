@@ -63,7 +63,7 @@ class Checkpoints {
     RenderStats stats;
     renderer.render(params, {&consumer, 1}, &stats,
                     [&](double fraction) { return progress((part.index + fraction) / strips_); });
-    Image image = picture.take();
+    Image image = picture.take_shown();
     describe(image, picture_.shot, params, stats);
     image.attributes.push_back({"kairos:command_line", picture_.command_line});
     describe_part(image, part, picture_.frame, picture_.mark, picture_.write);

@@ -67,7 +67,7 @@ class SceneSource : public DatasetSource {
     Renderer(shot_).render(arguments_.sampling.params, consumers, nullptr, progress);
     end_polling();
     std::vector<Image> images;
-    for (Picture& picture : pictures) images.push_back(picture.take());
+    for (Picture& picture : pictures) images.push_back(picture.take_shown());
     return images;
   }
 

@@ -294,7 +294,7 @@ void Rendering::render(const RenderFiles& files, const FrameJob& job, Place plac
   const Stopwatch writing;
   if (time) finish(*time, job);
   if (picture) {
-    Image image = picture->take();
+    Image image = picture->take_shown();
     describe(image, shot, params, stats);
     image.attributes.push_back({"kairos:command_line", arguments_.command_line});
     if (job.part)

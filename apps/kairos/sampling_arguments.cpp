@@ -22,7 +22,7 @@ void add_sampling_options(CLI::App& app, SamplingArguments& out) {
       "pixel's rays, or for "
       "lit pictures all that they see; off: nothing");
   add_choice(app, "--shadows", params.shadows,
-             "Of time-continuous rays to point, spot and directional lights. exact: in time, wherever surface, light "
+             "How shadows of point, spot and directional lights are found. exact: in time, wherever surface, light "
              "and camera rest; sampled: at the instants of shading samples; auto: exact where it is worth it");
   add_count(app, "--spp", params.spp, 1, kMostSamples,
             "Samples per pixel of qmc; of mixed: discrete rays; of auto: the budget");

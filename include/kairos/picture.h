@@ -37,6 +37,9 @@ class KAIROS_API Picture : public PixelConsumer {
 
   /// The finished image, without attributes. Leaves the picture empty.
   Image take() { return std::move(image_); }
+  /// The same, for who looks at it: no colour is below 0, where no weight is. A record is right in the mean over many
+  /// pictures; in one, its still term may take away more than there is, and then 0 is nearer to the truth.
+  Image take_shown();
 
  private:
   bool alpha_;

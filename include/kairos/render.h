@@ -48,9 +48,9 @@ enum class Clusters {
   pixel,      ///< all rays of a pixel that are traced together: each triangle, or lit all they see
   off,        ///< each segment
 };
-/// How time-continuous rays find what stands between lit surfaces and point, spot and directional lights.
+/// How it is found what stands between lit surfaces and point, spot and directional lights.
 enum class Shadows {
-  automatic,  ///< exact for the meshes on which it is worth it, by looks at some pixels
+  automatic,  ///< exact where it is worth it, by looks at some pixels
   sampled,    ///< by discrete rays, at the instants of shading samples
   exact,      ///< in time, wherever surface, light and camera rest; elsewhere sampled
 };
@@ -114,7 +114,7 @@ struct RenderParams {
   /// numbers if they have it in common. 0: while the shutter is open.
   double shading_interval = 0;
   Clusters clusters = Clusters::automatic;
-  Shadows shadows = Shadows::automatic;  ///< of `tc`, with clusters by pixel; others have sampled ones
+  Shadows shadows = Shadows::automatic;  ///< `qmc`, and without clusters by pixel: sampled
   int spp = 64;  ///< qmc: samples per pixel; mixed: rays to what stands still; automatic: the budget, in the
                  ///< time of samples of qmc, on average over the pixels; 1 to 2^20
   SamplerKind sampler = SamplerKind::owen_sobol;

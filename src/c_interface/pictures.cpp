@@ -77,6 +77,8 @@ RenderParams params_of(const kairos_render_params* given) {
     params.instruction_set = choice<InstructionSet>("instruction_set", from.instruction_set);
   params.seed = from.seed;
   params.threads = from.threads;
+  if (from.max_depth != 0) params.max_depth = from.max_depth == -1 ? 0 : from.max_depth;
+  params.clamp = from.clamp;
   const auto& crop = from.crop;
   if (crop[0] != 0 || crop[1] != 0 || crop[2] != 0 || crop[3] != 0)
     params.crop = Crop{crop[0], crop[1], crop[2], crop[3]};

@@ -25,6 +25,7 @@ struct DiscreteWindow {
   bool moves = false;
   EmbreeScene scene;
 
+  bool is_in(DiscreteLayer layer) const { return layer == DiscreteLayer::all || !moves; }
   bool holds(float time) const { return begin <= time && (time < end || end == 1); }
   float local(float time) const { return std::min((time - begin) / (end - begin), 1.0f); }
 };
@@ -57,11 +58,11 @@ struct DiscreteScene::Impl {
 
   /// Denormals must be zero already, for both.
   std::optional<DiscreteHit> intersect(const Ray& ray, float time, float max_dist, Facing facing) const;
-  bool occluded(const Ray& ray, float time, float max_dist) const;
+  bool occluded(const Ray& ray, float time, float max_dist, DiscreteLayer layer) const;
   void intersect_all(std::span<const Ray> rays, std::span<const float> times,
                      std::span<std::optional<DiscreteHit>> hits, DiscreteLayer layer) const;
   void occluded_all(std::span<const Ray> rays, std::span<const float> times, std::span<const float> max_dists,
-                    std::span<bool> result) const;
+                    std::span<bool> result, DiscreteLayer layer) const;
 
   uint32_t mesh_of_hit(unsigned geometry, unsigned instance) const {
     return mesh_of[instance == RTC_INVALID_GEOMETRY_ID ? geometry : instance];
@@ -96,7 +97,7 @@ struct DiscreteScene::Impl {
                         std::span<std::optional<DiscreteHit>> hits, DiscreteLayer layer) const;
   template <class Packet>
   void occluded_packet(std::span<const Ray> rays, std::span<const float> times, std::span<const float> max_dists,
-                       std::span<bool> result) const;
+                       std::span<bool> result, DiscreteLayer layer) const;
 };
 
 }  // namespace kairos

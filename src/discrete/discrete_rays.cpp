@@ -92,12 +92,12 @@ std::optional<DiscreteHit> DiscreteScene::Impl::intersect(const Ray& ray, float 
                      query.hit.v,    faces_ray(normal, ray.direction)};
 }
 
-bool DiscreteScene::Impl::occluded(const Ray& ray, float time, float max_dist) const {
+bool DiscreteScene::Impl::occluded(const Ray& ray, float time, float max_dist, DiscreteLayer layer) const {
   if (!usable(ray, time) || !(max_dist > 0)) return false;
   RTCRay query{};
   DiscreteContext context = context_of(&ray, &time, Facing::far_end);
   for (const DiscreteWindow& window : windows) {
-    if (!window.holds(time)) continue;
+    if (!window.is_in(layer) || !window.holds(time)) continue;
     fill(query, ray, max_dist);
     query.time = window.local(time);
     rtcOccluded1(window.scene.get(), &context.embree, &query);
@@ -108,7 +108,8 @@ bool DiscreteScene::Impl::occluded(const Ray& ray, float time, float max_dist) c
 
 template <class Packet>
 void DiscreteScene::Impl::occluded_packet(std::span<const Ray> rays, std::span<const float> times,
-                                          std::span<const float> max_dists, std::span<bool> result) const {
+                                          std::span<const float> max_dists, std::span<bool> result,
+                                          DiscreteLayer layer) const {
   typename Packet::ShadowQuery query{};
   for (size_t i = 0; i < rays.size(); ++i) {
     fill(query, i, rays[i], max_dists[i]);
@@ -117,6 +118,7 @@ void DiscreteScene::Impl::occluded_packet(std::span<const Ray> rays, std::span<c
   DiscreteContext context = context_of(rays.data(), times.data(), Facing::far_end);
   context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   for (const DiscreteWindow& window : windows) {
+    if (!window.is_in(layer)) continue;
     alignas(64) int valid[Packet::kSize]{};
     bool any = false;
     for (size_t i = 0; i < rays.size(); ++i) {
@@ -142,7 +144,7 @@ void DiscreteScene::Impl::intersect_packet(std::span<const Ray> rays, std::span<
   DiscreteContext context = context_of(rays.data(), times.data(), Facing::origin);
   context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   for (const DiscreteWindow& window : windows) {
-    if (layer == DiscreteLayer::still && window.moves) continue;
+    if (!window.is_in(layer)) continue;
     alignas(64) int valid[Packet::kSize]{};
     bool any = false;
     for (size_t i = 0; i < rays.size(); ++i) {
@@ -188,17 +190,18 @@ void DiscreteScene::Impl::intersect_all(std::span<const Ray> rays, std::span<con
 }
 
 void DiscreteScene::Impl::occluded_all(std::span<const Ray> rays, std::span<const float> times,
-                                       std::span<const float> max_dists, std::span<bool> result) const {
+                                       std::span<const float> max_dists, std::span<bool> result,
+                                       DiscreteLayer layer) const {
   const DenormalsAreZero guard;
   for (size_t i = 0; i < rays.size();) {
     const size_t left = rays.size() - i, count = std::min(left, left > kSmallPacket ? kLargePacket : kSmallPacket);
     const auto take = [&](auto whole) { return whole.subspan(i, count); };
     if (left == 1)
-      result[i] = occluded(rays[i], times[i], max_dists[i]);
+      result[i] = occluded(rays[i], times[i], max_dists[i], layer);
     else if (count > kSmallPacket)
-      occluded_packet<LargePacket>(take(rays), take(times), take(max_dists), take(result));
+      occluded_packet<LargePacket>(take(rays), take(times), take(max_dists), take(result), layer);
     else
-      occluded_packet<SmallPacket>(take(rays), take(times), take(max_dists), take(result));
+      occluded_packet<SmallPacket>(take(rays), take(times), take(max_dists), take(result), layer);
     i += count;
   }
 }

@@ -75,23 +75,23 @@ void DiscreteScene::intersect(std::span<const Ray> rays, std::span<const float> 
   impl_->intersect_all(rays, times, hits, layer);
 }
 
-bool DiscreteScene::occluded(const Ray& ray, float time, float max_dist) const {
+bool DiscreteScene::occluded(const Ray& ray, float time, float max_dist, DiscreteLayer layer) const {
   const ScaledRay scaled(ray, impl_->exponent);  // before denormals become zero
   const float scaled_max = std::ldexp(max_dist, scaled.exponent);
   const DenormalsAreZero guard;
-  return impl_->occluded(scaled.ray, time, scaled_max);
+  return impl_->occluded(scaled.ray, time, scaled_max, layer);
 }
 
 void DiscreteScene::occluded(std::span<const Ray> rays, std::span<const float> times, std::span<const float> max_dists,
-                             std::span<bool> result) const {
+                             std::span<bool> result, DiscreteLayer layer) const {
   if (rays.size() != times.size() || rays.size() != max_dists.size() || rays.size() != result.size())
     throw Error(ErrorCode::bad_usage, "DiscreteScene", "as many rays as times, distances and results are needed");
   if (impl_->exponent != 0 ||
       std::any_of(rays.begin(), rays.end(), [](const Ray& ray) { return ScaledRay(ray).exponent != 0; })) {
-    for (size_t i = 0; i < rays.size(); ++i) result[i] = occluded(rays[i], times[i], max_dists[i]);
+    for (size_t i = 0; i < rays.size(); ++i) result[i] = occluded(rays[i], times[i], max_dists[i], layer);
     return;
   }
-  impl_->occluded_all(rays, times, max_dists, result);
+  impl_->occluded_all(rays, times, max_dists, result, layer);
 }
 
 std::optional<DiscreteHit> DiscreteScene::intersect_panes(const Ray& ray, float time, float max_dist) const {

@@ -86,11 +86,11 @@ class DiscreteScene {
 
   /// Is anything but panes within `max_dist` along the ray, on the side that light from there would meet? Any hit will
   /// do, which is a good deal cheaper than the nearest. Nothing is in the way of a ray that is not finite.
-  bool occluded(const Ray& ray, float time, float max_dist) const;
+  bool occluded(const Ray& ray, float time, float max_dist, DiscreteLayer layer = DiscreteLayer::all) const;
   /// The same for many rays, all spans of one length; those next to each other go through the scene together. A
   /// `max_dist` that is not above 0 marks a ray that is not asked for: it is not occluded.
   void occluded(std::span<const Ray> rays, std::span<const float> times, std::span<const float> max_dists,
-                std::span<bool> result) const;
+                std::span<bool> result, DiscreteLayer layer = DiscreteLayer::all) const;
   /// Is any mesh a pane?
   bool has_panes() const { return panes_ != nullptr; }
   /// As intersect(), for light that comes along the ray to its origin, through panes alone: they have a scene of their

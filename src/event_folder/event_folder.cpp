@@ -160,7 +160,7 @@ class EventFolder::Maker {
     Picture picture(shot.projection, params);
     PixelConsumer* const consumer = &picture;
     Renderer(shot).render(params, {&consumer, 1}, nullptr, progress);
-    return picture.take();
+    return picture.take_shown();
   }
 
   Image flow_between(double from, double to, const Progress& progress) const {

@@ -100,6 +100,14 @@ void Picture::add(const PixelRecord& record) {
     }
 }
 
+Image Picture::take_shown() {
+  if (exposure_ || !weight_.has_negative())
+    for (Channel& channel : image_.channels)
+      if (channel.name == "R" || channel.name == "G" || channel.name == "B")
+        for (float& value : channel.values) value = std::max(value, 0.0f);
+  return take();
+}
+
 ViewTransform usual_view(const Shot& shot, ShadingKind shading) {
   return is_lit(shading) && reflects_light(shot) ? ViewTransform::filmic : ViewTransform::standard;
 }

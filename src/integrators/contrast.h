@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 
 #include "pixel/record_builder.h"
 
@@ -18,8 +19,9 @@ class Contrast {
   }
 
   /// Of rays of one instant, those from number `first` on.
-  void add(const RecordBuilder& record, size_t first) {
-    for (const PixelRay& ray : record.rays().subspan(first)) {
+  void add(const RecordBuilder& record, size_t first) { add(record, record.rays().subspan(first)); }
+  void add(const RecordBuilder& record, std::span<const PixelRay> rays) {
+    for (const PixelRay& ray : rays) {
       if (ray.parts == 0)
         add(background_);
       else

@@ -10,6 +10,7 @@
 
 #include "discrete/discrete_scene.h"
 #include "integrators/integrator.h"
+#include "shading/exact_shadows.h"
 
 namespace kairos {
 
@@ -20,12 +21,17 @@ class SeenByRays {
   explicit SeenByRays(const Shader& shader) : shader_(shader) {}
 
   /// Shades them all; key_of(i): of ray number i. For each ray in turn, calls add_ray(number, first part, parts).
+  /// shadows: where they are exact, resting lights shine as if nothing passed before them; null: nowhere.
   template <class KeyOf, class AddRay>
   void add(std::span<const Ray> rays, std::span<const float> times, std::span<const std::optional<DiscreteHit>> hits,
-           const KeyOf& key_of, RecordBuilder& out, const AddRay& add_ray) {
+           const KeyOf& key_of, RecordBuilder& out, const AddRay& add_ray, const ExactShadows* shadows = nullptr) {
     queries_.clear();
     for (size_t i = 0; i < rays.size(); ++i)
-      if (hits[i]) queries_.push_back({rays[i], hits[i]->mesh, hits[i]->triangle, times[i], 0, key_of(i)});
+      if (const auto& hit = hits[i]) {
+        const bool exact = shadows != nullptr && shadows->on(hit->mesh);
+        queries_.push_back({rays[i], hit->mesh, hit->triangle, times[i], 0, key_of(i),
+                            exact ? RestingLights::as_if_none_passed : RestingLights::as_is});
+      }
     shades_.resize(queries_.size());
     shader_.shade(queries_, shades_);
     size_t next = 0;

@@ -16,7 +16,8 @@ namespace kairos {
 /// From rays spread over the frame; the same for any crop. Kept by ShotParts for further crops and pictures.
 struct FramePlan {
   PacketChoice packets;
-  std::vector<bool> exact_shadows;  ///< of tc: [mesh], where shadows are found exactly; empty: nowhere
+  std::vector<bool> exact_shadows;    ///< [mesh]: where time-continuous rays find shadows exactly; empty: nowhere
+  uint32_t still_rays_per_exact = 0;  ///< where nothing moves but shadows, see RestingPixels; 0: they are sampled
   // Of the integrators mixed and auto.
   RayPrices prices;
   Allotment allotment{1, {}};          ///< of the budget, where things move

@@ -4,6 +4,7 @@
 #include "integrators/mixed_frame.h"
 #include "integrators/mixed_looks.h"
 #include "integrators/mixed_worker.h"
+#include "integrators/shadow_choice.h"
 
 namespace kairos {
 
@@ -15,6 +16,7 @@ class MixedIntegrator : public Integrator {
       : parts_(parts), key_(plan_key(params, context.needs)), frame_(parts, params, context) {
     if (const FramePlan* plan = params.exposure ? nullptr : parts.find_plan(key_)) {
       frame_.plan = *plan;
+      frame_.use_shadows();
       known_ = true;
     } else {
       frame_.estimate();
@@ -26,6 +28,7 @@ class MixedIntegrator : public Integrator {
   void prepare(Monitor& monitor, RenderStats& stats) override {
     if (frame_.automatic && !frame_.mask.empty()) stats.prices = frame_.plan.prices;
     if (known_) return;
+    choose_shadows(frame_, monitor);
     look_around(frame_, monitor, stats);
     if (!frame_.params.exposure) parts_.keep_plan(key_, frame_.plan);  // the key does not know exposures
   }

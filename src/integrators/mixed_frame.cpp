@@ -21,6 +21,12 @@ bool has_still_blended(const Shot& shot, const Shader& shader) {
   return false;
 }
 
+bool has_mesh_that_shows_others(const Shot& shot, const Shader& shader) {
+  for (uint32_t m = 0; m < shot.meshes.size(); ++m)
+    if (shader.shows_others(m)) return true;
+  return false;
+}
+
 bool has_still_mesh(const Shot& shot) {
   return std::any_of(shot.meshes.begin(), shot.meshes.end(), [](const Mesh& mesh) { return mesh.is_static(); });
 }
@@ -42,7 +48,8 @@ MixedFrame::MixedFrame(ShotParts& parts, const RenderParams& render_params, cons
       scene(parts.discrete(params.discrete_keys)),
       occluder_hints(!has_still_blended(shot, context.shader)),
       tracer(parts.tracer(params.instruction_set, occluder_hints)),
-      still_layer_is_empty(!has_still_mesh(shot) && !context.shader.has_sky()) {}
+      still_layer_is_empty(!has_still_mesh(shot) && !context.shader.has_sky()),
+      any_shows_others(has_mesh_that_shows_others(shot, context.shader)) {}
 
 void MixedFrame::estimate() {
   if (mask.empty() && context.needs.time != RecordNeeds::Time::segments) return;
@@ -55,6 +62,20 @@ void MixedFrame::estimate() {
     plan.prices = estimate_prices(work, mean_key_spans(shot), has_still_mesh(shot), params.shading);
   }
   plan.allotment = Allotment(budget, plan.prices);
+}
+
+void MixedFrame::use_shadows() {
+  tc_shadows.reset();
+  resting_shadows.reset();
+  if (!plan.exact_shadows.empty()) tc_shadows.emplace(context.shader, tracer, scene, plan.exact_shadows);
+  if (plan.still_rays_per_exact > 0)
+    resting_shadows.emplace(context.shader, tracer, scene, context.shader.resting_receivers());
+}
+
+ShadingOptions MixedFrame::tc_shading() const {
+  ShadingOptions options = shading;
+  if (tc_shadows) options.shadows = &*tc_shadows;
+  return options;
 }
 
 PixelPlan MixedFrame::plan_pixel(int x, int y) const {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "discrete/discrete_scene.h"
 #include "integrators/frame_plan.h"
 #include "integrators/integrator.h"
 #include "motion/motion_mask.h"
+#include "shading/exact_shadows.h"
 #include "shading/packet_shading.h"
 
 namespace kairos {
@@ -51,9 +53,17 @@ class MixedFrame {
   const bool occluder_hints;  ///< are still rays traced first, as occluder hints?
   const Tracer& tracer;
   const bool still_layer_is_empty;  ///< but for a background that is the same everywhere
+  const bool any_shows_others;      ///< see Shader::shows_others
+
+  /// As the plan says; to be called whenever it has changed.
+  void use_shadows();
+  /// Of the time-continuous rays of a pixel.
+  ShadingOptions tc_shading() const;
 
   FramePlan plan;
-  bool will_race = false;  ///< until then any pixel may get time-continuous rays
+  std::optional<ExactShadows> tc_shadows;       ///< unset: they are sampled
+  std::optional<ExactShadows> resting_shadows;  ///< where nothing moves but shadows; unset: they are sampled
+  bool will_race = false;                       ///< until then any pixel may get time-continuous rays
 };
 
 }  // namespace kairos

@@ -6,14 +6,30 @@
 
 namespace kairos {
 
+namespace {
+
+/// Of one of two pictures that know nothing of each other, as a display shows them.
+double squared_error(const std::array<Vec3f, 2>& pair) {
+  double sum = 0;
+  for (int c = 0; c < 3; ++c) {
+    const double a = std::clamp(pair[0][c], 0.0f, 1.0f), b = std::clamp(pair[1][c], 0.0f, 1.0f);
+    sum += (a - b) * (a - b) / 2;
+  }
+  return sum;
+}
+
+}  // namespace
+
 MixedWorker::MixedWorker(const MixedFrame& frame)
     : frame_(frame),
       context_(frame.context),
-      shading_(context_.shader, frame.shading),
+      shading_(context_.shader, frame.tc_shading()),
       still_layer_(context_, frame.scene),
       samples_(context_, frame.scene),
       contrast_(frame.shot.seen_background()),
-      record_(context_.needs.surfaces()) {}
+      record_(context_.needs.surfaces()) {
+  if (frame.resting_shadows) resting_.emplace(*frame.resting_shadows);
+}
 
 const PixelRecord& MixedWorker::render_pixel(int x, int y, Monitor& monitor) {
   const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
@@ -25,6 +41,8 @@ const PixelRecord& MixedWorker::render_pixel(int x, int y, Monitor& monitor) {
   if (plan.tc_rays > 0) {
     ++tc_pixels_;
     render_moving(x, y, pixel, plan, monitor);
+  } else if (resting_ && !moves) {
+    render_resting(x, y, pixel, monitor);
   } else {
     render_discrete(x, y, pixel, moves ? DiscreteLayer::all : DiscreteLayer::still, monitor);
   }
@@ -33,33 +51,47 @@ const PixelRecord& MixedWorker::render_pixel(int x, int y, Monitor& monitor) {
 
 PixelPlan MixedWorker::begin_pixel(int x, int y, Monitor& monitor) {
   const PixelPlan discrete{0, frame_.budget};
+  shares_.reset();
   if (!frame_.is_over_time(x, y)) return discrete;
   const PixelPlan plan = frame_.plan_pixel(x, y);
   if (plan.tc_rays == 0) return discrete;
   // Of shots that follow on each other, rays are not to jump.
   align_ = context_.needs.over_time() ? AlignedPoints() : align_points(frame_.mask, x, y);
   still_layer_.begin_pixel(x, y, context_.sampler.pixel(x, y), align_);
-  if (has_still_edge_in_front(x, y, monitor)) return discrete;
+  if (has_still_edge_in_front(x, y, monitor) || shows_others(x, y)) return discrete;
   return plan;
 }
 
 PixelLook MixedWorker::look_at(int x, int y, Monitor& monitor) {
   const DiscreteLayer layer = frame_.mask.moves(x, y) ? DiscreteLayer::all : DiscreteLayer::still;
+  const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
+  const uint32_t first = first_samples(frame_.budget);
   record_.begin_pixel(x, y, context_.background);
-  samples_.take(x, y, context_.sampler.pixel(x, y), 0, first_samples(frame_.budget), layer, record_, monitor);
   contrast_.begin_pixel();
-  contrast_.add(record_, 0);
-  return {contrast_.square(), frame_.sample_price(layer)};
+  double price = frame_.sample_price(layer);
+  if (resting_ && layer == DiscreteLayer::still) {
+    still_layer_.begin_pixel(x, y, pixel, {});
+    still_layer_.add_rays(0, first, &*frame_.resting_shadows, monitor, record_);
+    contrast_.add(record_, record_.still_rays());
+    const double before = resting_->time();
+    resting_->add_exact(still_layer_, exact_rays(first), {}, record_);
+    price *= 1 + (resting_->time() - before) / (first * still_sample_time(frame_.params.shading));
+  } else {
+    samples_.take(x, y, pixel, 0, first, layer, record_, monitor);
+    contrast_.add(record_, 0);
+  }
+  return {contrast_.square(), price};
 }
 
 double MixedWorker::still_rays_share(int x, int y) {
   if (frame_.still_layer_is_empty) return 0;
-  const double share = find_still_share(x, y);
+  const double share = shares_of(x, y).still;
   return share > 0 ? static_cast<double>(still_rays({1, frame_.budget}, share)) / frame_.budget : 0;
 }
 
 MixedWorker::RaceErrors MixedWorker::race(int x, int y, Monitor& monitor) {
   const PixelPlan plan = frame_.plan.allotment.plan_over_time(dither(x, y));
+  shares_.reset();
   std::array<Vec3f, 2> tc, discrete;
   for (size_t half = 0; half < 2; ++half) {
     const Sampler::Pixel pixel = frame_.race_points[half].pixel(x, y);
@@ -73,15 +105,37 @@ MixedWorker::RaceErrors MixedWorker::race(int x, int y, Monitor& monitor) {
     render_discrete(x, y, pixel, DiscreteLayer::all, monitor);
     discrete[half] = reduce(record_.finish(), {}, false).colour;
   }
-  const auto error = [](const std::array<Vec3f, 2>& pair) {
-    double sum = 0;  // as a display shows them
-    for (int c = 0; c < 3; ++c) {
-      const double a = std::clamp(pair[0][c], 0.0f, 1.0f), b = std::clamp(pair[1][c], 0.0f, 1.0f);
-      sum += (a - b) * (a - b) / 2;
-    }
-    return sum;
-  };
-  return {error(tc), error(discrete)};
+  return {squared_error(tc), squared_error(discrete)};
+}
+
+double MixedWorker::passing_shadow_time(int x, int y, Monitor& monitor) {
+  constexpr uint32_t kLooks = 2;
+  still_layer_.begin_pixel(x, y, frame_.race_points[0].pixel(x, y), {});
+  record_.begin_pixel(x, y, context_.background);
+  still_layer_.add_rays(0, kLooks, &*frame_.resting_shadows, monitor, record_);
+  const double before = resting_->time();
+  resting_->add_exact(still_layer_, kLooks, {}, record_);
+  return resting_->changes() ? (resting_->time() - before) / kLooks : 0;
+}
+
+MixedWorker::ShadowRace MixedWorker::race_shadows(int x, int y, Monitor& monitor) {
+  std::array<Vec3f, 2> exact, sampled;
+  const TimeRange window = context_.times(x, y).window();
+  const double before = resting_->time();
+  for (size_t half = 0; half < 2; ++half) {
+    const Sampler::Pixel pixel = frame_.race_points[half].pixel(x, y);
+    record_.begin_pixel(x, y, context_.background, window);
+    still_layer_.begin_pixel(x, y, pixel, {});
+    still_layer_.add_rays(0, frame_.budget, &*frame_.resting_shadows, monitor, record_);
+    resting_->add_exact(still_layer_, exact_rays(frame_.budget), window, record_);
+    exact[half] = reduce(record_.finish(), {}, false).colour;
+    record_.begin_pixel(x, y, context_.background, window);
+    samples_.take(x, y, pixel, 0, frame_.budget, DiscreteLayer::still, record_, monitor);
+    sampled[half] = reduce(record_.finish(), {}, false).colour;
+  }
+  const double samples = frame_.budget * still_sample_time(frame_.params.shading);
+  const double both = samples + (resting_->time() - before) / 2;
+  return {squared_error(exact) * both, squared_error(sampled) * samples};
 }
 
 void MixedWorker::add_counts(RenderStats& stats) const {
@@ -92,6 +146,8 @@ void MixedWorker::add_counts(RenderStats& stats) const {
 
 void MixedWorker::add_ray_counts(RenderStats& stats) const {
   stats.counters += workspace_.counters();
+  stats.counters += shading_.shadow_counters();
+  if (resting_) stats.counters += resting_->counters();
   stats.rays += workspace_.counters().rays + samples_.ray_count() + still_layer_.ray_count() + share_rays_;
   stats.segments += workspace_.counters().segments + samples_.hit_count();
   stats.shading_samples += shading_.evaluations() + samples_.hit_count() + still_layer_.evaluations();
@@ -119,6 +175,32 @@ void MixedWorker::render_discrete(int x, int y, const Sampler::Pixel& pixel, Dis
     contrast_.add(record_, taken);
     taken *= 2;
   }
+}
+
+/// As many samples as render_discrete() takes, by a contrast that knows nothing of what passes.
+void MixedWorker::render_resting(int x, int y, const Sampler::Pixel& pixel, Monitor& monitor) {
+  const std::optional<SampleSpread>& spread = frame_.plan.spread;
+  const ExactShadows* shadows = &*frame_.resting_shadows;
+  uint32_t taken = spread ? first_samples(frame_.budget) : frame_.budget;
+  still_layer_.begin_pixel(x, y, pixel, {});
+  still_layer_.add_rays(0, taken, shadows, monitor, record_);
+  if (spread) {
+    contrast_.begin_pixel();
+    contrast_.add(record_, record_.still_rays());
+    while (taken < spread->count(contrast_.square())) {
+      still_layer_.add_rays(taken, 2 * taken, shadows, monitor, record_);
+      contrast_.add(record_, record_.still_rays().subspan(taken));
+      taken *= 2;
+    }
+  }
+  const uint32_t exact = exact_rays(taken);
+  record_.set_plan({exact, taken}, false);
+  resting_->add_exact(still_layer_, exact, context_.times(x, y).window(), record_);
+}
+
+uint32_t MixedWorker::exact_rays(uint32_t still_rays) const {
+  if (!frame_.automatic) return std::min(still_rays, frame_.fixed_plan.tc_rays);
+  return std::max(1u, still_rays / frame_.plan.still_rays_per_exact);
 }
 
 void MixedWorker::render_moving(int x, int y, const Sampler::Pixel& pixel, const PixelPlan& plan, Monitor& monitor) {
@@ -151,16 +233,22 @@ void MixedWorker::render_moving(int x, int y, const Sampler::Pixel& pixel, const
 }
 
 void MixedWorker::add_still_term(int x, int y, const PixelPlan& plan, Monitor& monitor) {
-  const double share = find_still_share(x, y);
+  const double share = shares_of(x, y).still;
   if (!(share > 0)) return;
   const uint32_t count = frame_.automatic ? still_rays(plan, share) : std::max(plan.tc_rays, plan.discrete);
   if (count <= plan.tc_rays) return;
-  still_layer_.add_rays(count, monitor, record_);
+  still_layer_.add_rays(0, count, frame_.tc_shadows ? &*frame_.tc_shadows : nullptr, monitor, record_);
   record_.set_still(plan.tc_rays, static_cast<float>(share));
 }
 
-/// The share of a few discrete rays, independent of all others, that see what stands still.
-double MixedWorker::find_still_share(int x, int y) {
+/// What is seen in mirrors and behind glass has noise of its own, which is the less the more places in the pixel there
+/// are: more rays are better than exact ones.
+bool MixedWorker::shows_others(int x, int y) {
+  return frame_.automatic && frame_.any_shows_others && !context_.needs.over_time() && shares_of(x, y).others >= 0.5;
+}
+
+const MixedWorker::Shares& MixedWorker::shares_of(int x, int y) {
+  if (shares_) return *shares_;
   const Sampler& sampler = frame_.share_points;
   const Sampler::Pixel pixel = sampler.pixel(x, y);
   std::array<Ray, kShareRays> rays;
@@ -174,8 +262,12 @@ double MixedWorker::find_still_share(int x, int y) {
   }
   frame_.scene.intersect(rays, times, hits, DiscreteLayer::all);
   share_rays_ += kShareRays;
-  const auto is_still = [&](const auto& hit) { return !hit || frame_.shot.meshes[hit->mesh].is_static(); };
-  return static_cast<double>(std::count_if(hits.begin(), hits.end(), is_still)) / kShareRays;
+  const auto share_of = [&](const auto& is_part) {
+    return static_cast<double>(std::count_if(hits.begin(), hits.end(), is_part)) / kShareRays;
+  };
+  return shares_.emplace(
+      Shares{share_of([&](const auto& hit) { return !hit || frame_.shot.meshes[hit->mesh].is_static(); }),
+             share_of([&](const auto& hit) { return hit && context_.shader.shows_others(hit->mesh); })});
 }
 
 }  // namespace kairos

@@ -17,6 +17,7 @@
 #include "integrators/contrast.h"
 #include "integrators/discrete_samples.h"
 #include "integrators/mixed_frame.h"
+#include "integrators/resting_pixels.h"
 #include "integrators/still_layer.h"
 #include "motion/aligned_points.h"
 
@@ -45,12 +46,30 @@ class MixedWorker : public Integrator::Worker {
   /// By both kinds of ray for the same price.
   RaceErrors race(int x, int y, Monitor& monitor);
 
+  // Of pixels in which nothing moves, where the frame has resting_shadows.
+  /// Nanoseconds, as those of ray_prices.h, of an exact look into the pixel; 0 where nothing passes before a light.
+  double passing_shadow_time(int x, int y, Monitor& monitor);
+  /// Squared errors times what they take.
+  struct ShadowRace {
+    double exact = 0, sampled = 0;
+  };
+  ShadowRace race_shadows(int x, int y, Monitor& monitor);
+
  private:
   bool has_still_edge_in_front(int x, int y, Monitor& monitor);
+  bool shows_others(int x, int y);
   void render_discrete(int x, int y, const Sampler::Pixel& pixel, DiscreteLayer layer, Monitor& monitor);
+  void render_resting(int x, int y, const Sampler::Pixel& pixel, Monitor& monitor);
+  /// Along how many of a pixel's still rays shadows are found exactly.
+  uint32_t exact_rays(uint32_t still_rays) const;
   void render_moving(int x, int y, const Sampler::Pixel& pixel, const PixelPlan& plan, Monitor& monitor);
   void add_still_term(int x, int y, const PixelPlan& plan, Monitor& monitor);
-  double find_still_share(int x, int y);
+  /// What a few discrete rays, independent of all others, see of the pixel.
+  struct Shares {
+    double still = 0;   ///< of what stands still
+    double others = 0;  ///< of what shows something else, see Shader::shows_others
+  };
+  const Shares& shares_of(int x, int y);
 
   const MixedFrame& frame_;
   const PixelContext& context_;
@@ -60,11 +79,13 @@ class MixedWorker : public Integrator::Worker {
   AlignedPoints align_;         // of the pixel's time-continuous rays
   StillLayer still_layer_;
   DiscreteSamples samples_;
+  std::optional<RestingPixels> resting_;
   Contrast contrast_;
   RecordBuilder record_;
   std::array<Ray, Tracer::kMaxPacket> batch_;
   std::array<Vec2f, Tracer::kMaxPacket> film_{};
   std::array<float, Tracer::kMaxPacket> times_{};
+  std::optional<Shares> shares_;  // of the pixel, once they are known
   uint64_t moving_pixels_ = 0, tc_pixels_ = 0, share_rays_ = 0;
 };
 

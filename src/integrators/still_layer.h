@@ -52,20 +52,24 @@ class StillLayer {
         std::count_if(hits_.begin(), hits_.begin() + count, [&](const auto& hit) { return hit && hit->dist < dist; }));
   }
 
-  /// Adds the first `count` rays and what they see to `out`.
-  void add_rays(uint32_t count, Monitor& monitor, RecordBuilder& out) {
-    trace(count, monitor);
+  /// Adds rays [begin, end) and what they see to `out`. shadows: see SeenByRays.
+  void add_rays(uint32_t begin, uint32_t end, const ExactShadows* shadows, Monitor& monitor, RecordBuilder& out) {
+    trace(end, monitor);
+    const auto some = [&](auto& all) { return std::span(all).subspan(begin, end - begin); };
     seen_.add(
-        std::span(rays_).first(count), std::span(times_).first(count), std::span(hits_).first(count),
+        some(rays_), some(times_), some(hits_),
         [&](size_t i) {
-          return SampleKey{pixel_.seed, static_cast<uint32_t>(i)};
+          return SampleKey{pixel_.seed, begin + static_cast<uint32_t>(i)};
         },
         out,
         [&](size_t i, uint32_t first, uint32_t parts) {
-          out.add_still_ray({film_[i], 1, times_[i], first, parts, 0});
-          evaluations_ += hits_[i].has_value();
-        });
+          out.add_still_ray({film_[begin + i], 1, times_[begin + i], first, parts, 0});
+          evaluations_ += hits_[begin + i].has_value();
+        },
+        shadows);
   }
+  /// Of those that were added.
+  const Ray& ray(uint32_t index) const { return rays_[index]; }
 
   uint64_t ray_count() const { return ray_count_; }
   uint64_t evaluations() const { return evaluations_; }

@@ -8,8 +8,8 @@
 #include "integrators/frame_plan.h"
 #include "integrators/integrator.h"
 #include "integrators/packet_choice.h"
+#include "integrators/shadow_choice.h"
 #include "motion/aligned_points.h"
-#include "policy/shadow_race.h"
 #include "shading/exact_shadows.h"
 #include "shading/packet_shading.h"
 
@@ -20,11 +20,12 @@ namespace {
 class TcIntegrator : public Integrator {
  public:
   /// mask: null to leave the points of a pixel where they are.
-  TcIntegrator(const FramePlan& plan, const MotionMask* mask, const Tracer& tracer, ShadingOptions shading,
-               const PixelContext& context)
+  /// scene: where the plan has exact shadows.
+  TcIntegrator(const FramePlan& plan, const MotionMask* mask, const Tracer& tracer, const DiscreteScene* scene,
+               ShadingOptions shading, const PixelContext& context)
       : context_(context), shading_(shading), mask_(mask), tracer_(tracer), packets_(plan.packets) {
     if (plan.exact_shadows.empty()) return;
-    shadows_.emplace(context.shader, tracer, plan.exact_shadows);
+    shadows_.emplace(context.shader, tracer, *scene, plan.exact_shadows);
     shading_.shadows = &*shadows_;
   }
 
@@ -102,17 +103,6 @@ class TcIntegrator : public Integrator {
   std::optional<ExactShadows> shadows_;
 };
 
-/// Where shadows are to be found exactly; empty: nowhere.
-std::vector<bool> exact_shadows(const PixelContext& context, const Shot& shot, const RenderParams& params,
-                                const Tracer& tracer, const ShadingOptions& options) {
-  if (params.shadows == Shadows::sampled || options.clusters != Clusters::pixel || !context.shader.is_lit()) return {};
-  std::vector<bool> meshes = context.shader.resting_receivers();
-  const auto is_any = [&] { return std::find(meshes.begin(), meshes.end(), true) != meshes.end(); };
-  if (is_any() && params.shadows == Shadows::automatic)
-    meshes = race_shadows(context, shot.projection, tracer, options, std::move(meshes));
-  return is_any() ? meshes : std::vector<bool>();
-}
-
 }  // namespace
 
 std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderParams& params,
@@ -123,19 +113,21 @@ std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderPar
   const PlanKey key = plan_key(params, context.needs);
   const FramePlan* known = parts.find_plan(key);
   const ShadingOptions shading = shading_options(parts.shot(), params, context.needs);
+  const DiscreteScene* scene = is_lit(params.shading) ? &parts.discrete(params.discrete_keys) : nullptr;
   FramePlan plan;
   if (known != nullptr) {
     plan = *known;
   } else {
     plan.packets = choose_packets(context, parts.shot().projection, tracer);
-    plan.exact_shadows = exact_shadows(context, parts.shot(), params, tracer, shading);
+    if (scene != nullptr)
+      plan.exact_shadows = choose_exact_shadows(context, parts.shot(), params, tracer, *scene, shading);
     parts.keep_plan(key, plan);
   }
   // A single ray is nowhere better than anywhere else; and rays of shots that follow on each other are not to jump.
   const MotionMask* mask = context.sampler.count() > 1 && !context.needs.over_time()
                                ? &parts.motion_mask(context.filter.radius(), params.crop)
                                : nullptr;
-  return std::make_unique<TcIntegrator>(plan, mask, tracer, shading, context);
+  return std::make_unique<TcIntegrator>(plan, mask, tracer, scene, shading, context);
 }
 
 }  // namespace kairos

@@ -32,8 +32,11 @@ class RecordBuilder {
   uint32_t part_count() const { return static_cast<uint32_t>(parts_.size()); }
   uint32_t knot_count() const { return static_cast<uint32_t>(knots_.size()); }
   std::span<const PixelRay> rays() const { return rays_; }
+  std::span<const PixelRay> still_rays() const { return still_rays_; }
   std::span<const SeenPart> parts() const { return parts_; }
   std::span<const Knot> knots() const { return knots_; }
+  /// Of a knot; nothing where surfaces are not kept.
+  KnotSurface surface(uint32_t knot) const { return surfaces_wanted_ ? surfaces_[knot] : KnotSurface{}; }
   std::span<const SeenPart> parts_of(const PixelRay& ray) const {
     return std::span(parts_).subspan(ray.first_part, ray.parts);
   }

@@ -15,17 +15,12 @@ namespace kairos {
 
 namespace {
 
-// Nanoseconds as those of tracing_time(): to find what resting lights bring to a point, without tracing; of a shading
-// sample without its rays to resting lights; of one such ray.
-constexpr double kRestingLight = 300, kSampleAlone = 1000, kShadowRay = 400;
+// Nanoseconds as those of tracing_time(): of a shading sample without its rays to resting lights; of one such ray.
+constexpr double kSampleAlone = 1000, kShadowRay = 400;
 
 constexpr size_t kShadowPixels = 512;  // looked at, at most
 constexpr int kPhases = 4;             // of samples in time
 constexpr int kLeastPixels = 8;        // of a mesh, to say anything of it
-
-double time_of(const TraceCounters& c) {
-  return tracing_time(static_cast<double>(c.nodes), static_cast<double>(c.triangles), static_cast<double>(c.hits));
-}
 
 /// A point's resting light over the shutter.
 struct LightSeen {
@@ -71,8 +66,8 @@ struct Tally {
 }  // namespace
 
 std::vector<bool> race_shadows(const PixelContext& context, const Projection& projection, const Tracer& tracer,
-                               const ShadingOptions& options, std::vector<bool> receivers) {
-  const ExactShadows shadows(context.shader, tracer, receivers);
+                               const DiscreteScene& scene, const ShadingOptions& options, std::vector<bool> receivers) {
+  const ExactShadows shadows(context.shader, tracer, scene, receivers);
   const uint32_t rays_in_pixel = context.sampler.count(),
                  count = std::clamp(rays_in_pixel, 2u, static_cast<uint32_t>(Tracer::kMaxPacket));
   const int samples = std::max(1, static_cast<int>(std::round(options.samples)));
@@ -92,11 +87,11 @@ std::vector<bool> race_shadows(const PixelContext& context, const Projection& pr
       const auto seen = tracer.trace(ray, Visibility::visible, workspace);
       const auto on = std::find_if(seen.begin(), seen.end(), [&](const Segment& s) { return receivers[s.mesh]; });
       if (on == seen.end()) continue;
-      const double before = time_of(steps.counters());
+      const double before = tracing_time(steps.counters());
       steps.look(shadows, ray, on->mesh, on->triangle, {});
       Tally& tally = tallies[on->mesh];
       ++tally.looks;
-      tally.time += time_of(steps.counters()) - before;
+      tally.time += tracing_time(steps.counters()) - before;
       tally.lights += static_cast<double>(steps.lights());
       looks.push_back(light_seen(on->mesh, steps.steps(), samples));
     }
@@ -117,10 +112,10 @@ std::vector<bool> race_shadows(const PixelContext& context, const Projection& pr
     }
   }
   const TraceCounters& c = workspace.counters();
-  const double sight = c.rays > 0 ? time_of(c) / static_cast<double>(c.rays) : 0;
+  const double sight = c.rays > 0 ? tracing_time(c) / static_cast<double>(c.rays) : 0;
   const auto exact_wins = [&](const Tally& tally) {
     const double other = sight + samples * kSampleAlone;  // time of a ray, without these shadows
-    const double exact = other + kRestingLight + tally.time / tally.looks;
+    const double exact = other + kRestingLightTime + tally.time / tally.looks;
     const double sampled = other + samples * kShadowRay * tally.lights / tally.looks;
     constexpr double kNothing = 1e-12;  // where neither way has an error, the faster one is taken
     return (tally.space + kNothing) * exact < (tally.space + tally.sampled + kNothing) * sampled;

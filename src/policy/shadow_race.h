@@ -14,6 +14,6 @@ namespace kairos {
 /// product of error and time, by looks at a few hundred pixels of the frame: the same for any crop, and no clock is
 /// asked. options: of the picture's rays, of which each pixel has as many as the context's sampler has points.
 std::vector<bool> race_shadows(const PixelContext& context, const Projection& projection, const Tracer& tracer,
-                               const ShadingOptions& options, std::vector<bool> receivers);
+                               const DiscreteScene& scene, const ShadingOptions& options, std::vector<bool> receivers);
 
 }  // namespace kairos

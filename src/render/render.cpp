@@ -311,7 +311,7 @@ Image Renderer::render(const RenderParams& params, RenderStats* stats_out, const
   PixelConsumer* const consumer = &picture;
   RenderStats stats;
   render(params, {&consumer, 1}, &stats, progress);
-  Image image = picture.take();
+  Image image = picture.take_shown();
   describe(image, shot, params, stats);
   if (stats_out != nullptr) *stats_out = stats;
   return image;

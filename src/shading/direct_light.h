@@ -92,12 +92,11 @@ class DirectLight {
     }
   }
 
-  /// Adds to `sums` what all those point, spot and directional lights bring that are each asked; where without_resting
-  /// says so, without those that stand still. All spans of one length; shadow rays to a light go through the scene
-  /// together.
+  /// Adds to `sums` what all those point, spot and directional lights bring that are each asked; those that stand still
+  /// as the queries want it. All spans of one length; shadow rays to a light go through the scene together.
   void add_asked(std::span<const SurfacePoint> points, std::span<const Scatter> scatters,
                  std::span<const SampleInstant> instants, std::span<Vec3f> sums,
-                 std::span<const ShadingQuery> without_resting = {}) const {
+                 std::span<const ShadingQuery> wanted = {}) const {
     for (size_t begin = 0; begin < points.size(); begin += kTogether) {
       const size_t count = std::min(kTogether, points.size() - begin);
       std::array<ShadowRays::Query, kTogether> queries;
@@ -107,10 +106,12 @@ class DirectLight {
         for (size_t i = 0; i < count; ++i) {
           const SurfacePoint& point = points[begin + i];
           const SampleInstant& instant = instants[begin + i];
-          queries[i] = {&point, &instant, {}, 0};
+          const bool rests = !wanted.empty() && lights_.rests(light);
+          const RestingLights resting = rests ? wanted[begin + i].resting : RestingLights::as_is;
+          const bool none_passes = resting == RestingLights::as_if_none_passed;
+          queries[i] = {&point, &instant, {}, 0, none_passes ? DiscreteLayer::still : DiscreteLayer::all};
           values[i] = {};
-          if (scatters[begin + i].is_dark()) continue;
-          if (!without_resting.empty() && without_resting[begin + i].without_resting && lights_.rests(light)) continue;
+          if (scatters[begin + i].is_dark() || resting == RestingLights::left_out) continue;
           const auto from = lights_.punctual(light, point.position, instant.time, instant.place);
           if (from) values[i] = scatters[begin + i].value(from->direction) * from->irradiance;
           if (values[i] == Vec3f{}) continue;

@@ -4,13 +4,21 @@
 
 namespace kairos {
 
-void RestingLightSteps::look(const ExactShadows& shadows, const Ray& ray, uint32_t mesh, uint32_t triangle,
-                             const TimeRange& window) {
+Vec3f RestingLightSteps::look_at_still(const ExactShadows& shadows, const Ray& ray, uint32_t mesh, uint32_t triangle) {
   lights_.clear();
+  ShadingQuery query{ray, mesh, triangle, 0, 0, {}};  // at rest, all times are alike
+  shadows.shader().resting_light(query, lights_);
+  std::erase_if(lights_, [&](const RestingLight& light) {
+    return shadows.scene().occluded(light.way, 0, light.dist, DiscreteLayer::still);
+  });
+  Vec3f sum{};
+  for (const RestingLight& light : lights_) sum += light.radiance;
+  return sum;
+}
+
+void RestingLightSteps::look_at_motion(const ExactShadows& shadows, const TimeRange& window) {
   changes_.clear();
   steps_.clear();
-  ShadingQuery query{ray, mesh, triangle, window.begin, 0, {}, false};
-  shadows.shader().resting_light(query, lights_);
   hidden_.assign(lights_.size(), false);
   for (uint32_t light = 0; light < lights_.size(); ++light) {
     const TraceLimits limits{window.begin, window.end, lights_[light].dist};

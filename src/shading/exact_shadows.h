@@ -7,6 +7,7 @@
 
 #include <kairos/tracer.h>
 
+#include "discrete/discrete_scene.h"
 #include "shading/shader.h"
 
 namespace kairos {
@@ -15,18 +16,20 @@ namespace kairos {
 /// time-continuous query tells when anything is in between. docs/method.md, "Shadows exact in time". Immutable.
 class ExactShadows {
  public:
-  /// tracer: of all the shot's meshes, as is the shader. receivers: [mesh], of Shader::resting_receivers(), on which
-  /// shadows are found so.
-  ExactShadows(const Shader& shader, const Tracer& tracer, std::vector<bool> receivers)
-      : shader_(shader), tracer_(tracer), receivers_(std::move(receivers)) {}
+  /// All of one shot. tracer: of the meshes that move, at least; scene: of all. receivers: [mesh], of
+  /// Shader::resting_receivers(), on which shadows are found so.
+  ExactShadows(const Shader& shader, const Tracer& tracer, const DiscreteScene& scene, std::vector<bool> receivers)
+      : shader_(shader), tracer_(tracer), scene_(scene), receivers_(std::move(receivers)) {}
 
   bool on(uint32_t mesh) const { return receivers_[mesh]; }
   const Shader& shader() const { return shader_; }
   const Tracer& tracer() const { return tracer_; }
+  const DiscreteScene& scene() const { return scene_; }
 
  private:
   const Shader& shader_;
   const Tracer& tracer_;
+  const DiscreteScene& scene_;
   std::vector<bool> receivers_;
 };
 
@@ -39,11 +42,21 @@ class RestingLightSteps {
   };
 
   /// Of the point that a ray sees of a mesh that `shadows` are on, over all of the window.
-  void look(const ExactShadows& shadows, const Ray& ray, uint32_t mesh, uint32_t triangle, const TimeRange& window);
+  void look(const ExactShadows& shadows, const Ray& ray, uint32_t mesh, uint32_t triangle, const TimeRange& window) {
+    look_at_still(shadows, ray, mesh, triangle);
+    look_at_motion(shadows, window);
+  }
+  /// The first half of it: what they bring if nothing hides them but what stands still; radiance to the viewer.
+  Vec3f look_at_still(const ExactShadows& shadows, const Ray& ray, uint32_t mesh, uint32_t triangle);
+  /// And the second half, of the same point.
+  void look_at_motion(const ExactShadows& shadows, const TimeRange& window);
+
   /// They cover the window; at least one.
   std::span<const Step> steps() const { return steps_; }
+  /// Does anything that moves pass before a light?
+  bool changes() const { return !changes_.empty(); }
 
-  size_t lights() const { return lights_.size(); }  ///< that bring anything where nothing hides them
+  size_t lights() const { return lights_.size(); }  ///< that bring anything where nothing that stands still hides them
   TraceCounters counters() const { return workspace_.counters(); }
 
  private:

@@ -18,8 +18,10 @@ namespace kairos {
 
 /// Where shading is dear, and noisy by itself, what counts is how many samples there are in a pixel and how they are
 /// spread, not that every triangle has one. So all segments of all rays are laid end to end, sorted by mesh, triangle
-/// and time: neighbours in the list are about the same place at about the same time. Samples lie evenly along it, and
-/// look at lights in the order of a Sobol' sequence, so that neighbours look at different places of them.
+/// and time: neighbours in the list are about the same place at about the same time. Samples lie evenly along it, one
+/// in each of as many equal stretches, and look at lights in the order of a Sobol' sequence, so that neighbours look at
+/// different places of them. How far into its stretch a sample lies changes from ray's worth to ray's worth, evenly
+/// spread: were it the same everywhere, rays that see one thing all the time would all see it at the same instants.
 /// docs/method.md, "One list of all that a pixel sees". What shadows are exact on has a list of its own: its samples
 /// leave out the light of which the shadows are, which each ray adds for itself, when it is there.
 ///
@@ -33,9 +35,10 @@ class ListedShading {
   /// samples: per ray that sees something all the time. Appends the parts of all rays' segments to `out`, ray by ray,
   /// and for each ray to `ends` the number of parts after it: they cover exactly what its segments cover, and each is
   /// part of one of them, with its own normal and albedo where `out` keeps such; of the sky where pictures of it are
-  /// seen. Returns the number of evaluations.
-  uint64_t shade(std::span<const Ray> rays, std::span<const SeenByRay> seen, const TimeRange& window, double samples,
-                 uint64_t pixel_seed, uint32_t first_ray, RecordBuilder& out, std::vector<uint32_t>& ends) {
+  /// seen. phases: see PacketShading::Packet. Returns the number of evaluations.
+  uint64_t shade(std::span<const Ray> rays, std::span<const SeenByRay> seen, std::span<const float> phases,
+                 const TimeRange& window, double samples, uint64_t pixel_seed, uint32_t first_ray, RecordBuilder& out,
+                 std::vector<uint32_t>& ends) {
     make_lists(seen);
     const double rate = samples / (static_cast<double>(window.end) - static_cast<double>(window.begin));
     sky_rate_ = shader_.sky_varies() ? rate : 0;
@@ -46,7 +49,7 @@ class ListedShading {
       list.samples = list.total > 0 ? static_cast<uint32_t>(std::max(1.0, std::round(rate * list.total))) : 0;
       count += list.samples;
     }
-    if (count > 0) take_samples(rays, count, hash(pixel_seed, kListDimension, first_ray));
+    if (count > 0) take_samples(rays, phases, count, hash(pixel_seed, kListDimension, first_ray));
     first_knot_ = out.add_knots(out.keeps_surfaces() ? 0 : count);
     if (!out.keeps_surfaces())
       for (uint32_t i = 0; i < count; ++i) out.set_knot(first_knot_ + i, queries_[i].time, shades_[i].colour, {}, {});
@@ -102,13 +105,14 @@ class ListedShading {
     }
   }
 
-  /// One in each of a list's equal stretches, at the same fraction of all of them: anywhere with the same probability.
-  void take_samples(std::span<const Ray> rays, uint32_t count, uint64_t seed) {
+  /// One in each of a list's equal stretches, anywhere in it with the same probability.
+  void take_samples(std::span<const Ray> rays, std::span<const float> phases, uint32_t count, uint64_t seed) {
     queries_.clear();
     for (const List& list : lists_) {
       size_t at = list.begin;
       for (uint32_t i = 0; i < list.samples; ++i) {
-        const double place = list.total * ((i + static_cast<double>(phase_)) / list.samples);
+        const auto phase = static_cast<double>(phases[static_cast<size_t>(i) * phases.size() / list.samples]);
+        const double place = list.total * ((i + phase) / list.samples);
         while (at + 1 < list.end && entries_[at + 1].before <= place) ++at;
         const Segment& segment = *entries_[at].segment;
         // Half-open: at its very end something else is seen.
@@ -121,7 +125,7 @@ class ListedShading {
                             time,
                             0,
                             {seed, list.first_sample + i},
-                            list_of(segment.mesh) == 1});
+                            list_of(segment.mesh) == 1 ? RestingLights::left_out : RestingLights::as_is});
       }
     }
     shades_.resize(count);

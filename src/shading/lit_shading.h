@@ -10,6 +10,13 @@
 
 namespace kairos {
 
+/// What is wanted of the light that LitShading::resting_light() gives.
+enum class RestingLights {
+  as_is,              ///< it is one with all other light
+  left_out,           ///< it comes from elsewhere
+  as_if_none_passed,  ///< its shadows are those of what stands still alone
+};
+
 /// What a ray from the camera sees, and how it is to be shaded.
 struct ShadingQuery {
   Ray ray;
@@ -17,7 +24,7 @@ struct ShadingQuery {
   float time = 0;    ///< of the shutter
   double width = 0;  ///< of the ray's cone where it meets the triangle
   SampleKey key;
-  bool without_resting = false;  ///< leave out what LitShading::resting_light() gives
+  RestingLights resting = RestingLights::as_is;
 };
 
 /// What a light that stands still brings to a surface that does, if nothing is in its way.

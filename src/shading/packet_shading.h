@@ -43,8 +43,8 @@ class PacketShading {
         std::any_of(packet.seen.begin(), packet.seen.end(), [](const SeenByRay& ray) { return !ray.blended.empty(); });
     if (options_.clusters == Clusters::pixel && !blended && (shader_.is_lit() || !shader_.has_sky())) {
       if (!shader_.is_lit()) return shade_together(packet, out, ends);
-      evaluations_ += listed_.shade(packet.rays, packet.seen, packet.window, options_.samples, packet.pixel_seed,
-                                    packet.first, out, ends);
+      evaluations_ += listed_.shade(packet.rays, packet.seen, packet.phases, packet.window, options_.samples,
+                                    packet.pixel_seed, packet.first, out, ends);
       return;
     }
     for (size_t i = 0; i < packet.rays.size(); ++i) {

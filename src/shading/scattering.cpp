@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "shading/facet_energy.h"
 #include "shading/first_points.h"
 #include "shading/microfacets.h"
 
@@ -42,6 +43,13 @@ Scattering::Scattering(const SurfacePoint& point)
   const double cosine = viewer_cosine(point);
   const float coat = point.material->clearcoat > 0 ? clearcoat_reflects(*point.material, cosine) : 0;
   below_ = 1 - coat;
+  if (metal_ > 0 && !facets_sharp_) {
+    const double once = reflected_once(cosine, facets_alpha_);
+    for (int c = 0; c < 3; ++c) {
+      const auto base = static_cast<double>(std::clamp(point.look.base_colour[c], 0.0f, 1.0f));
+      again_[c] = static_cast<float>(all_reflections(once, base));
+    }
+  }
   const float inwards = 1 - largest(boundary_.reflects(cosine));
   even_ = point.look.base_colour * ((1 - metal_) * inwards * (1 - point.material->transmission) * below_);
   const auto even = static_cast<double>(largest(even_)), top = static_cast<double>(coat);
@@ -60,7 +68,7 @@ Vec3f Scattering::reflects(double cosine) const {
   const Vec3f base = point_.look.base_colour, white{1, 1, 1};
   const auto grazing = static_cast<float>(std::pow(1 - cosine, 5));
   const Vec3f metal = base + (white - base) * grazing;
-  return (metal * metal_ + boundary_.reflects(cosine) * (1 - metal_)) * below_;
+  return (metal * again_ * metal_ + boundary_.reflects(cosine) * (1 - metal_)) * below_;
 }
 
 Vec3f Scattering::refracts(double cosine) const {

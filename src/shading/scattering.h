@@ -52,6 +52,7 @@ class Scattering {
   Boundary boundary_;
   Vec3f even_;
   float metal_, below_ = 1;  // below_: share of light that gets through the clear coat
+  Vec3f again_{1, 1, 1};     // metal's facets: what goes from one to another, too, relative to what they reflect once
   double facets_alpha_, coat_alpha_;
   bool facets_sharp_, coat_sharp_, refracts_, is_dark_;
   double even_chance_ = 0, facets_chance_ = 0;  // of the coat: the rest

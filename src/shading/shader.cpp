@@ -5,11 +5,22 @@
 #include <utility>
 
 #include "shading/paths.h"
+#include "shading/reflectance.h"
 #include "shading/smooth_joint.h"
 #include "shading/surface.h"
 #include "shading/whitted.h"
 
 namespace kairos {
+
+namespace {
+
+bool mostly_shows_others(const Material& material) {
+  const Look look{material.base_color, {}, 1, material.metallic, material.roughness};
+  const Reflectance shares = reflectance(material, look, 1, true);
+  return !material.unlit && largest(shares.mirror + shares.through) > largest(shares.diffuse + shares.highlight);
+}
+
+}  // namespace
 
 Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_depth,
                std::shared_ptr<const DiscreteScene> discrete, bool want_variation, float clamp)
@@ -36,6 +47,7 @@ Shader::Shader(const Shot& shot, ShadingKind kind, bool want_normal, int max_dep
     const Mesh& mesh = shot.meshes[m];
     const bool still = mesh.is_static() && mesh.normal_key_count() < 2 && !shot.camera_moves;
     varies_.push_back(lit_ || ((want_normal_ || looks_->varies(m)) && !still));
+    shows_others_.push_back(lit_ && mostly_shows_others(looks_->material(m)));
     is_even_.push_back(!lit_ && (kind == ShadingKind::normal || !looks_->varies(m)));
   }
   if (want_variation && want_normal_ && !lit_) variation_ = ColourVariation(shot, world_from_camera_);

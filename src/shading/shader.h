@@ -67,6 +67,9 @@ class Shader {
   }
   static constexpr float kMuch = 1;
 
+  /// Is what is seen of the mesh, looked at straight, mostly what lies elsewhere: in a mirror, or behind glass?
+  bool shows_others(uint32_t mesh) const { return shows_others_[mesh]; }
+
   /// For two visibility segments of a ray, of which the second begins when the first ends: true when its colour goes on
   /// without a jump, so that what is seen of both may be shaded as one.
   bool joined(const Segment& first, const Segment& second) const;
@@ -103,6 +106,7 @@ class Shader {
   std::unique_ptr<const LitShading> lit_;  // where it is wanted
   std::vector<bool> varies_;               // [mesh]
   std::vector<bool> is_even_;              // [mesh]: nothing makes a difference, or nothing but normals
+  std::vector<bool> shows_others_;         // [mesh]
   ColourVariation variation_;              // of these
   ShadingKind kind_;
   bool want_normal_;

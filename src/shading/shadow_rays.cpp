@@ -62,7 +62,19 @@ void ShadowRays::open(std::span<const Query> queries, std::span<Vec3f> result) c
       dists[i] = static_cast<float>(ways[i].dist);
     }
     const auto first = [&](auto& all) { return std::span(all).first(count); };
-    scene_->occluded(first(rays), first(times), first(dists), first(blocked));
+    for (const DiscreteLayer layer : {DiscreteLayer::all, DiscreteLayer::still}) {
+      std::array<float, kTogether> asked{};
+      std::array<bool, kTogether> hit{};
+      bool any = false;
+      for (size_t i = 0; i < count; ++i)
+        if (queries[begin + i].layer == layer && dists[i] > 0) {
+          asked[i] = dists[i];
+          any = true;
+        }
+      if (!any) continue;
+      scene_->occluded(first(rays), first(times), first(asked), first(hit), layer);
+      for (size_t i = 0; i < count; ++i) blocked[i] = blocked[i] || hit[i];
+    }
     for (size_t i = 0; i < count; ++i) {
       const Query& query = queries[begin + i];
       Vec3f& open = result[begin + i];

@@ -52,7 +52,8 @@ class ShadowRays {
     const SurfacePoint* point;
     const SampleInstant* instant;
     Vec3d direction;
-    double dist;  ///< not above 0: nobody asks, and nothing gets through
+    double dist;                               ///< not above 0: nobody asks, and nothing gets through
+    DiscreteLayer layer = DiscreteLayer::all;  ///< that may be in the way; of panes, all are
   };
   /// The same for several, to one light at most: rays that go about the same way go through the scene together.
   void open(std::span<const Query> queries, std::span<Vec3f> result) const;

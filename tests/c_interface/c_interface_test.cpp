@@ -357,10 +357,12 @@ TEST(CInterface, PicturesAreTheSame) {
   kairos_scene_release(scene);
   kairos_shot_release(shot);
 
-  for (const auto shading : {ShadingKind::whitted, ShadingKind::flat}) {
+  for (const auto shading : {ShadingKind::whitted, ShadingKind::path, ShadingKind::flat}) {
     kairos_render_params params{};
     params.struct_size = sizeof(params);
     params.spp = 4;
+    params.max_depth = shading == ShadingKind::path ? -1 : 0;
+    params.clamp = 0.25f;
     params.shading = to_string(shading).data();
     params.aovs = "depth,coverage";
     kairos_image* image = nullptr;
@@ -368,9 +370,11 @@ TEST(CInterface, PicturesAreTheSame) {
 
     ShotOptions of_shot;
     of_shot.width = of_shot.height = 24;
-    of_shot.lights = shading == ShadingKind::whitted ? LightChoice::automatic : LightChoice::file;
+    of_shot.lights = shading != ShadingKind::flat ? LightChoice::automatic : LightChoice::file;
     RenderParams with;
     with.spp = 4;
+    if (shading == ShadingKind::path) with.max_depth = 0;
+    with.clamp = 0.25f;
     with.shading = shading;
     with.aovs = {Aov::depth, Aov::coverage};
     const Image expected = render(make_shot(*load_scene({path}), of_shot), with);

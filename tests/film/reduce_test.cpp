@@ -149,5 +149,22 @@ TEST(Reduce, AddsTheStillTermByItsShareAndTheIntegralOfTheWeight) {
   EXPECT_EQ(pixel.means(TimeWeight({{0, 3}, {1, 3}})).colour, (Vec3f{1.5f, 1.5f + 0.375f, 0.375f}));
 }
 
+/// Where it takes away more than there is, a picture shows nothing, and the record keeps what is right in the mean.
+TEST(Reduce, NoPictureIsBelowZero) {
+  Pixel pixel({0, 0, 1});
+  pixel.ray({}, 0);
+  pixel.still_ray({{0.6f, 0.6f, {1, 0, 0}, 1}}, 0.6f);
+  pixel.still_ray({}, 0.9f);
+  pixel.builder().set_still(1, 1);
+  EXPECT_EQ(pixel.means().colour, (Vec3f{-0.5f, 0, 1.5f}));
+  Projection frame;
+  frame.width = frame.height = 1;
+  Picture picture(frame, RenderParams());
+  picture.add(pixel.builder().finish());
+  const Image image = picture.take_shown();
+  EXPECT_EQ(image.find("R")->values[0], 0);
+  EXPECT_EQ(image.find("B")->values[0], 1.5f);
+}
+
 }  // namespace
 }  // namespace kairos

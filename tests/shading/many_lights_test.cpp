@@ -1,6 +1,7 @@
 // Lights chosen by what they are worth, against sums and integrals of all of them.
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -134,6 +135,77 @@ TEST(ManyLights, TenThousandTrianglesShineLikeOneSquare) {
   for (const float time : {0.1f, 0.5f, 0.75f})
     expect_mean(estimate(shot, kToGround, time), 3 * ceiling_factor(-60 + 100 * static_cast<double>(time),
                                                                     -40 + 100 * static_cast<double>(time), -60, 60, 2));
+}
+
+/// What falls on a white point that faces up, over pi, by the way of old: a triangle by its power, a place by area.
+Estimate by_power(const Shot& shot, const DiscreteScene& scene, Vec3d point, std::mt19937& random) {
+  struct Triangle {
+    std::array<Vec3d, 3> corners;
+    double radiance, area;
+  };
+  std::vector<Triangle> triangles;
+  std::vector<double> powers;
+  for (const Mesh& mesh : shot.meshes)
+    for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+      const auto radiance = static_cast<double>(shot.materials[mesh.material].emission.x);
+      const std::array<Vec3d, 3> corners = triangle_at(mesh, t, 0);
+      const double area = length(cross(corners[1] - corners[0], corners[2] - corners[0])) / 2;
+      if (radiance > 0) triangles.push_back({corners, radiance, area});
+      if (radiance > 0) powers.push_back(radiance * area);
+    }
+  const double all = std::accumulate(powers.begin(), powers.end(), 0.0);
+  std::discrete_distribution<size_t> choose(powers.begin(), powers.end());
+  std::uniform_real_distribution<double> unit(0, 1);
+  constexpr int kSamples = 10000;
+  double sum = 0, squares = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const auto& [corners, radiance, area] = triangles[choose(random)];
+    const double u = std::sqrt(unit(random)), v = unit(random);
+    const Vec3d place = corners[0] * (1 - u) + corners[1] * (u * (1 - v)) + corners[2] * (u * v);
+    const Vec3d from = point + Vec3d{0, 1e-4, 0}, way = place - from, direction = normalize(way);
+    const Vec3d face = normalize(cross(corners[1] - corners[0], corners[2] - corners[0]));
+    const double squared = dot(way, way), cosines = direction.y * std::abs(dot(face, direction));
+    if (!(direction.y > 0) ||
+        scene.occluded({to_float(from), to_float(direction)}, 0, static_cast<float>(std::sqrt(squared) * 0.9999)))
+      continue;
+    const double value = cosines / squared / M_PI * all;  // radiance over the density, radiance / all
+    sum += value;
+    squares += value * value;
+  }
+  const double mean = sum / kSamples;
+  return {mean, std::sqrt(std::max(0.0, squares / kSamples - mean * mean) / kSamples), 0};
+}
+
+TEST(ManyLights, ByPowerAndByWorthTheMeanIsTheSame) {
+  std::mt19937 random(test::seed());
+  std::uniform_real_distribution<float> number(-1, 1);
+  const auto any = [&](float size) {
+    return Vec3f{size * number(random), size * number(random), size * number(random)};
+  };
+  Shot shot = ground_shot();
+  for (uint32_t i = 1; i <= 12; ++i) {
+    const float bright = 5 + 4 * number(random);
+    shot.materials.push_back(lamp({bright, bright, bright}));
+    shot.meshes.push_back(parallelogram(Vec3f{0, 2, -4} + any(2), any(0.6f), any(0.6f), i));
+  }
+  for (int i = 0; i < 6; ++i) {  // in the way of some
+    const Vec3f corner = Vec3f{0, 0, -4} + any(1.5f);
+    shot.meshes.push_back(box({corner.x, -0.5f, corner.z}, {corner.x + 0.4f, 0, corner.z + 0.4f}, 0));
+  }
+  const DiscreteScene scene(shot.meshes);
+  double squares = 0, difference = 0, variance = 0;
+  constexpr int kPoints = 16;
+  for (int i = 0; i < kPoints; ++i) {
+    const Vec3f point{2 * number(random), -1, -4 + 2 * number(random)};
+    const Estimate worth = estimate(shot, {{point.x, -0.95f, point.z}, {0, -1, 0}});
+    const Estimate power = by_power(shot, scene, to_double(point), random);
+    const double apart = worth.mean - power.mean, both = std::hypot(worth.error, power.error);
+    squares += apart * apart / (both * both) / kPoints;
+    difference += apart;
+    variance += both * both;
+  }
+  EXPECT_LT(squares, 3.5) << "1 for what differs by noise alone";
+  EXPECT_LT(std::abs(difference), 5 * std::sqrt(variance));
 }
 
 TEST(ManyLights, AStreetOfLamps) {

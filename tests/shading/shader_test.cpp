@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "shading/surface.h"
+#include "whitted_scene.h"
 
 namespace kairos {
 namespace {
@@ -118,6 +119,21 @@ TEST(Shader, ATriangleWithoutAreaIsBlackNotNaN) {
   shot.meshes = {triangle_mesh()};
   shot.meshes[0].positions[0][2] = kA;
   EXPECT_EQ(Shader(shot, ShadingKind::normal, false).shade({{0, 0, 0}, {0, 0, -1}}, 0, 0, 0).colour, Vec3f{});
+}
+
+TEST(Shader, MirrorsAndClearGlassShowOtherThings) {
+  Shot shot;
+  shot.materials = {mirror({0.9f, 0.8f, 0.7f}), glass(1.5f), lambert({0.5f, 0.5f, 0.5f}), mirror({1, 1, 1}),
+                    lambert({})};
+  shot.materials[3].roughness = 0.4f;
+  shot.materials[4].roughness = 0;  // black lacquer: but for its highlights it is dark
+  shot.meshes.assign(5, triangle_mesh());
+  for (uint32_t m = 0; m < 5; ++m) shot.meshes[m].material = m;
+  const Shader lit(shot, ShadingKind::whitted, false), unlit(shot, ShadingKind::normal, false);
+  for (uint32_t m = 0; m < 5; ++m) {
+    EXPECT_EQ(lit.shows_others(m), m == 0 || m == 1 || m == 4) << m;
+    EXPECT_FALSE(unlit.shows_others(m)) << m;
+  }
 }
 
 }  // namespace

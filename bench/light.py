@@ -1,0 +1,202 @@
+#!/usr/bin/env python3
+"""Lit pictures: the error of time-continuous rays, mixed and auto beside discrete samples in the same time, scene by scene.
+
+    bench/light.py FOLDER [--kairos build/release/bin/kairos] [--scenes NAME,...] [--size 320x180] [--budgets 16,64] [--seeds 3]
+                   [--reference 1024] [--shading whitted]
+    bench/light.py FOLDER --scan
+
+FOLDER: where scenes are, or are made, and pictures go. Prints a table in Markdown: decibels against discrete samples (two pictures of --reference samples, whose own
+noise is taken off; values above 1 count as 1), in seconds of processor time of one thread without what one pixel takes, and the gain over discrete
+samples on straight lines of decibels over the logarithm of time; medians over seeds. Below, which method loses where. With --scan it looks instead for pixels that are
+negative or no number in pictures of few samples of all scenes by all integrators, and ends with status 1 where it finds one.
+
+Needs Python's standard library alone.
+"""
+import argparse
+import array
+import math
+import os
+import pathlib
+import resource
+import statistics
+import struct
+import subprocess
+import sys
+import zlib
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SCENES = {"glass": "glass/scene.json", "marbles": "marbles/scene.json", "hall": "hall/scene.json", "still": "still/scene.json", "fan": "fan/scene.json",
+          "shade": "shade/scene.json", "foliage": "foliage/scene.json", "blades": "blades/scene.json", "kitchen": "kitchen/scene.pbrt"}
+OPTIONS = {"hall": ["--frame", "6"]}
+
+
+def read_exr(path):
+    """Red, green and blue of each pixel, one after the other: what Kairos writes with --half off, ZIP or not compressed."""
+    data = pathlib.Path(path).read_bytes()
+    at, channels, window, compression = 8, [], None, 0
+    while data[at]:
+        name, kind = (data[at:].split(b"\0", 2)[i].decode() for i in range(2))
+        at += len(name) + len(kind) + 2
+        (size,) = struct.unpack_from("<i", data, at)
+        value = data[at + 4:at + 4 + size]
+        at += 4 + size
+        if name == "channels":
+            while value[0] if value else 0:
+                channel, value = value.split(b"\0", 1)
+                channels.append((channel.decode(), struct.unpack_from("<i", value)[0]))
+                value = value[16:]
+        elif name == "dataWindow":
+            window = struct.unpack("<4i", value)
+        elif name == "compression":
+            compression = value[0]
+    width, height = window[2] - window[0] + 1, window[3] - window[1] + 1
+    lines = {0: 1, 2: 1, 3: 16}[compression]
+    chunks = -(-height // lines)
+    offsets = struct.unpack_from(f"<{chunks}Q", data, at + 1)
+    planes = {name: array.array("f") for name in "RGB"}
+    for chunk, offset in enumerate(offsets):
+        (size,) = struct.unpack_from("<i", data, offset + 4)
+        rows = min(lines, height - chunk * lines)
+        raw = data[offset + 8:offset + 8 + size]
+        if size < rows * width * sum(2 if kind == 1 else 4 for _, kind in channels):
+            raw = bytearray(zlib.decompress(raw))
+            for i in range(1, len(raw)):
+                raw[i] = (raw[i - 1] + raw[i] - 128) & 255
+            half = (len(raw) + 1) // 2
+            woven = bytearray(len(raw))
+            woven[0::2], woven[1::2] = raw[:half], raw[half:]
+            raw = bytes(woven)
+        place = 0
+        for _ in range(rows):
+            for name, kind in channels:
+                if kind != 2 and name in planes:
+                    sys.exit(f"{path}: a colour is not kept in 32 bits")
+                length = width * (2 if kind == 1 else 4)
+                if name in planes:
+                    planes[name].frombytes(raw[place:place + length])
+                place += length
+    return [value for name in "RGB" for value in planes[name]]
+
+
+class Renderer:
+    def __init__(self, args):
+        self.args, self.scan = args, args.scan
+
+    def scene(self, name):
+        folder = pathlib.Path(self.args.folder)
+        path = folder / SCENES[name]
+        if not path.exists():
+            subprocess.run([sys.executable, ROOT / "tools/make_scenes.py", name, "-o", folder], check=True, stdout=subprocess.DEVNULL)
+        return path if path.exists() else None
+
+    def render(self, name, *options):
+        """The picture, and the seconds of processor time that it took."""
+        out = os.path.join(self.args.folder, "light.exr")
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        subprocess.run([self.args.kairos, "render", str(self.scene(name)), "-o", out, "--shading", self.args.shading, "--size", self.args.size,
+                        "--threads", "1", "--quiet", *OPTIONS.get(name, []), *map(str, options)], check=True)
+        seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+        return read_exr(out), seconds
+
+
+def squared(a, b):
+    """The mean squared difference of two pictures."""
+    return sum((min(p, 1.0) - min(q, 1.0)) ** 2 for p, q in zip(a, b)) / len(a)
+
+
+def decibels(error):
+    return -10 * math.log10(max(error, 1e-12))
+
+
+def methods(budget):
+    return {"discrete": ["--integrator", "qmc", "--spp", budget], "auto": ["--integrator", "auto", "--spp", budget],
+            "mixed": ["--integrator", "mixed", "--tc-rays", max(1, budget // 8), "--spp", budget, "--shading-samples", 4],
+            "tc": ["--integrator", "tc", "--tc-rays", max(1, budget // 4), "--shading-samples", 4]}
+
+
+def gain(points, time, level):
+    """Over discrete samples: (time, level) pairs by time."""
+    (t0, l0), (t1, l1) = next(((a, b) for a, b in zip(points, points[1:]) if time <= b[0]), points[-2:])
+    return level - (l0 + (l1 - l0) * math.log(time / t0) / math.log(t1 / t0))
+
+
+def row(renderer, name, args):
+    first, _ = renderer.render(name, "--integrator", "qmc", "--spp", args.reference, "--seed", 1001)
+    second, _ = renderer.render(name, "--integrator", "qmc", "--spp", args.reference, "--seed", 1002)
+    reference = [(a + b) / 2 for a, b in zip(first, second)]
+    noise = squared(first, second) / 4
+    found = {}
+    for budget in args.budgets:
+        for method, options in methods(budget).items():
+            if method == "discrete" or method in args.methods:
+                _, alone = renderer.render(name, *options, "--crop", "0,1,0,1")
+                runs = [renderer.render(name, *options, "--seed", seed) for seed in range(args.seeds)]
+                level = decibels(statistics.median(squared(picture, reference) for picture, _ in runs) - noise)
+                found.setdefault(method, []).append((max(1e-3, statistics.median(t for _, t in runs) - alone), level))
+    cells = []
+    losses = []
+    for method, points in found.items():
+        texts = []
+        for budget, (time, level) in zip(args.budgets, points):
+            text = f"{level:.1f} in {time:.2f}"
+            if method != "discrete":
+                lead = gain(found["discrete"], time, level)
+                text += f" ({lead:+.1f})"
+                if lead < -0.3:
+                    losses.append(f"{method} on {name} at {budget}: {lead:+.1f} dB")
+            texts.append(text)
+        cells.append("; ".join(texts))
+    print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
+    return losses
+
+
+def scan(renderer, args):
+    bad = 0
+    for name in args.scenes:
+        if not renderer.scene(name):
+            print(f"{name}: left out, it is not there")
+            continue
+        for shading in ("whitted", "path"):
+            for method, options in methods(args.budgets[0]).items():
+                for shadows in ([], ["--shadows", "exact"]) if method != "discrete" else ([],):
+                    args.shading = shading
+                    picture, _ = renderer.render(name, *options, *shadows)
+                    wrong = [value for value in picture if not (0 <= value < math.inf)]
+                    bad += len(wrong)
+                    print(f"{name}, {shading}, {method} {' '.join(shadows)}: {len(wrong)} of {len(picture)} values negative or none"
+                          + (f", least {min(wrong):.3g}" if wrong else ""), flush=True)
+    return bad
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder")
+    parser.add_argument("--kairos", default=str(ROOT / "build/release/bin/kairos"))
+    parser.add_argument("--scenes", default=",".join(SCENES), type=lambda text: text.split(","))
+    parser.add_argument("--methods", default="auto,mixed,tc", type=lambda text: text.split(","))
+    parser.add_argument("--size", default="320x180")
+    parser.add_argument("--budgets", default="16,64", type=lambda text: [int(n) for n in text.split(",")])
+    parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--reference", type=int, default=1024)
+    parser.add_argument("--shading", default="whitted")
+    parser.add_argument("--scan", action="store_true")
+    args = parser.parse_args()
+    args.scenes = args.scenes.split(",") if isinstance(args.scenes, str) else args.scenes
+    os.makedirs(args.folder, exist_ok=True)
+    renderer = Renderer(args)
+    if args.scan:
+        return 1 if scan(renderer, args) else 0
+    if len(args.budgets) < 2:
+        parser.error("it takes two budgets to tell what the time of a third is worth")
+    commit = subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
+    print(f"{args.size}, budgets {', '.join(map(str, args.budgets))}, {args.seeds} seeds, 2 x {args.reference} discrete samples as reference, "
+          f"--shading {args.shading}, commit {commit}. dB in seconds (gain over discrete samples in that time).\n")
+    shown = ["discrete", *(m for m in ("auto", "mixed", "tc") if m in args.methods)]
+    print("| scene | " + " | ".join(shown) + " |\n|" + " --- |" * (len(shown) + 1), flush=True)
+    losses = [loss for name in args.scenes if renderer.scene(name) for loss in row(renderer, name, args)]
+    print("\nLoses by more than 0.3 dB: " + ("; ".join(losses) or "nothing") + ".")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

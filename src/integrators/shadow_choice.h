@@ -1,0 +1,19 @@
+// Where a picture's shadows are found exactly in time.
+#pragma once
+
+#include <vector>
+
+#include "integrators/mixed_frame.h"
+
+namespace kairos {
+
+/// Of time-continuous rays: [mesh]; empty for nowhere. Where RenderParams::shadows leaves it open, by a race.
+std::vector<bool> choose_exact_shadows(const PixelContext& context, const Shot& shot, const RenderParams& params,
+                                       const Tracer& tracer, const DiscreteScene& scene, const ShadingOptions& options);
+
+/// Of mixed and auto: sets the plan's exact_shadows and still_rays_per_exact. The latter, where RenderParams::shadows
+/// leaves it open, by a race between both ways in up to a hundred pixels in which nothing but shadows moves; rays of
+/// races are not counted.
+void choose_shadows(MixedFrame& frame, Monitor& monitor);
+
+}  // namespace kairos
