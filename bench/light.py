@@ -4,20 +4,22 @@
     bench/light.py FOLDER [--kairos build/release/bin/kairos] [--scenes NAME,...] [--size 320x180] [--budgets 16,64] [--seeds 3]
                    [--reference 1024] [--shading whitted]
     bench/light.py FOLDER --scan
+    bench/light.py FOLDER --shadow-prices [--scenes shade]
 
 FOLDER: where scenes are, or are made, and pictures go. Prints a table in Markdown: decibels against discrete samples (two pictures of --reference samples, whose own
-noise is taken off; values above 1 count as 1), in seconds of processor time of one thread without what one pixel takes, and the gain over discrete
+noise is taken off; values above 1 count as 1), in seconds of processor time of one thread without loading and building, and the gain over discrete
 samples on straight lines of decibels over the logarithm of time; medians over seeds. Below, which method loses where. With --scan it looks instead for pixels that are
-negative or no number in pictures of few samples of all scenes by all integrators, and ends with status 1 where it finds one.
+negative or no number in pictures of few samples of all scenes by all integrators, and ends with status 1 where it finds one. With --shadow-prices it
+measures what exact and sampled shadows cost, in nanoseconds, for the constants of src/policy/ray_prices.h and shadow_race.cpp.
 
 Needs Python's standard library alone.
 """
 import argparse
 import array
+import json
 import math
 import os
 import pathlib
-import resource
 import statistics
 import struct
 import subprocess
@@ -90,13 +92,16 @@ class Renderer:
         return path if path.exists() else None
 
     def render(self, name, *options):
-        """The picture, and the seconds of processor time that it took."""
+        """The picture, and the seconds of processor time that rendering took."""
         out = os.path.join(self.args.folder, "light.exr")
-        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        stats = self.stats(name, out, *options)
+        return read_exr(out), stats["render_cpu_seconds"]
+
+    def stats(self, name, out, *options):
+        file = os.path.join(self.args.folder, "light.json")
         subprocess.run([self.args.kairos, "render", str(self.scene(name)), "-o", out, "--shading", self.args.shading, "--size", self.args.size,
-                        "--threads", "1", "--quiet", *OPTIONS.get(name, []), *map(str, options)], check=True)
-        seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-        return read_exr(out), seconds
+                        "--threads", "1", "--quiet", "--stats-file", file, *OPTIONS.get(name, []), *map(str, options)], check=True)
+        return json.loads(pathlib.Path(file).read_text())
 
 
 def squared(a, b):
@@ -129,10 +134,9 @@ def row(renderer, name, args):
     for budget in args.budgets:
         for method, options in methods(budget).items():
             if method == "discrete" or method in args.methods:
-                _, alone = renderer.render(name, *options, "--crop", "0,1,0,1")
                 runs = [renderer.render(name, *options, "--seed", seed) for seed in range(args.seeds)]
                 level = decibels(statistics.median(squared(picture, reference) for picture, _ in runs) - noise)
-                found.setdefault(method, []).append((max(1e-3, statistics.median(t for _, t in runs) - alone), level))
+                found.setdefault(method, []).append((statistics.median(t for _, t in runs), level))
     cells = []
     losses = []
     for method, points in found.items():
@@ -168,6 +172,28 @@ def scan(renderer, args):
     return bad
 
 
+def shadow_prices(renderer, args):
+    """Of a scene with one light that rests, on what rests: by differences between pictures of 4 time-continuous rays."""
+    def median(*options):
+        runs = [renderer.stats(args.scenes[0], os.path.join(args.folder, "light.exr"), "--integrator", "tc", "--tc-rays", 4, *options)
+                for _ in range(args.seeds)]
+        return statistics.median(r["render_cpu_seconds"] * 1e9 / r["rays"] for r in runs), runs[0]
+
+    def of_samples(*options):
+        one, three = (median("--shadows", "sampled", "--shading-samples", n, *options)[0] for n in (1, 3))
+        return (three - one) / 2
+
+    def tracing(stats):  # as tracing_time() has it
+        c = stats["counters"]
+        return (20 * c["nodes"] + 15 * c["triangles_tested"] + 90 * c["hits"]) / stats["rays"]
+
+    (sampled, of_sampled), (exact, of_exact) = (median("--shadows", s, "--shading-samples", 1) for s in ("sampled", "exact"))
+    lit, dark = of_samples(), of_samples("--lights", "none")
+    look = exact - sampled + lit - dark
+    print(f"{args.scenes[0]}, {args.size}, ns: a shading sample without its ray to a light {dark:.0f}, such a ray and its light {lit - dark:.0f}; "
+          f"an exact look {look:.0f}, of which tracing by counts {tracing(of_exact) - tracing(of_sampled):.0f}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder")
@@ -180,12 +206,16 @@ def main():
     parser.add_argument("--reference", type=int, default=1024)
     parser.add_argument("--shading", default="whitted")
     parser.add_argument("--scan", action="store_true")
+    parser.add_argument("--shadow-prices", action="store_true")
     args = parser.parse_args()
     args.scenes = args.scenes.split(",") if isinstance(args.scenes, str) else args.scenes
     os.makedirs(args.folder, exist_ok=True)
     renderer = Renderer(args)
     if args.scan:
         return 1 if scan(renderer, args) else 0
+    if args.shadow_prices:
+        args.scenes = args.scenes if len(args.scenes) == 1 else ["shade"]
+        return shadow_prices(renderer, args)
     if len(args.budgets) < 2:
         parser.error("it takes two budgets to tell what the time of a third is worth")
     commit = subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()

@@ -96,10 +96,17 @@ void look_around(MixedFrame& frame, Monitor& monitor, RenderStats& stats) {
   const std::vector<LookedAt> looks = look(frame, count, monitor, stats);
   if (frame.automatic) allot(frame, looks, monitor);
   std::vector<PixelLook> discrete;  // of pixels without time-continuous rays
+  double price = 0, without_exact = 0;
   for (const LookedAt& seen : looks)
-    if (!seen.tc_possible || frame.plan_pixel(seen.x, seen.y).tc_rays == 0) discrete.push_back(seen.pixel);
+    if (!seen.tc_possible || frame.plan_pixel(seen.x, seen.y).tc_rays == 0) {
+      discrete.push_back(seen.pixel);
+      price += seen.pixel.price;
+      without_exact += frame.sample_price(frame.mask.moves(seen.x, seen.y) ? DiscreteLayer::all : DiscreteLayer::still);
+    }
+  // What exact shadows cost is taken from the samples.
   if (discrete.size() >= kLeastLooksSeen)
-    frame.plan.spread.emplace(first_samples(frame.budget), most_samples(frame.budget), frame.budget, discrete);
+    frame.plan.spread.emplace(first_samples(frame.budget), most_samples(frame.budget),
+                              frame.budget * without_exact / price, discrete);
 }
 
 }  // namespace kairos

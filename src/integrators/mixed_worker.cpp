@@ -75,7 +75,7 @@ PixelLook MixedWorker::look_at(int x, int y, Monitor& monitor) {
     contrast_.add(record_, record_.still_rays());
     const double before = resting_->time();
     resting_->add_exact(still_layer_, exact_rays(first), {}, record_);
-    price *= 1 + (resting_->time() - before) / (first * still_sample_time(frame_.params.shading));
+    price *= 1 + (resting_->time() - before) / (first * lit_sample_time(frame_.shot, frame_.params.shading));
   } else {
     samples_.take(x, y, pixel, 0, first, layer, record_, monitor);
     contrast_.add(record_, 0);
@@ -133,7 +133,7 @@ MixedWorker::ShadowRace MixedWorker::race_shadows(int x, int y, Monitor& monitor
     samples_.take(x, y, pixel, 0, frame_.budget, DiscreteLayer::still, record_, monitor);
     sampled[half] = reduce(record_.finish(), {}, false).colour;
   }
-  const double samples = frame_.budget * still_sample_time(frame_.params.shading);
+  const double samples = frame_.budget * lit_sample_time(frame_.shot, frame_.params.shading);
   const double both = samples + (resting_->time() - before) / 2;
   return {squared_error(exact) * both, squared_error(sampled) * samples};
 }

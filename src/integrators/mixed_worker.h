@@ -47,7 +47,7 @@ class MixedWorker : public Integrator::Worker {
   RaceErrors race(int x, int y, Monitor& monitor);
 
   // Of pixels in which nothing moves, where the frame has resting_shadows.
-  /// Nanoseconds, as those of ray_prices.h, of an exact look into the pixel; 0 where nothing passes before a light.
+  /// Nanoseconds, as those of shadow_prices.h, of an exact look into the pixel; 0 where nothing passes before a light.
   double passing_shadow_time(int x, int y, Monitor& monitor);
   /// Squared errors times what they take.
   struct ShadowRace {

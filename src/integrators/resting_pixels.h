@@ -5,7 +5,7 @@
 
 #include "integrators/still_layer.h"
 #include "pixel/record_builder.h"
-#include "policy/ray_prices.h"
+#include "policy/shadow_prices.h"
 #include "shading/exact_shadows.h"
 
 namespace kairos {
@@ -34,8 +34,8 @@ class RestingPixels {
   /// Did anything pass before a light of those rays?
   bool changes() const { return changes_; }
   TraceCounters counters() const { return steps_.counters(); }
-  /// Nanoseconds that all of this has taken so far, as those of ray_prices.h.
-  double time() const { return tracing_time(steps_.counters()) + kRestingLightTime * static_cast<double>(looks_); }
+  /// Nanoseconds that all of this has taken so far, as those of shadow_prices.h.
+  double time() const { return exact_look_time(static_cast<double>(looks_), steps_.counters()); }
 
  private:
   void add_parts(const Ray& ray, SeenPart seen, const TimeRange& window, RecordBuilder& out) {

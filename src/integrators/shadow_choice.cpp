@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "integrators/mixed_worker.h"
+#include "policy/shadow_prices.h"
 #include "policy/shadow_race.h"
 
 namespace kairos {
@@ -16,9 +17,9 @@ namespace {
 constexpr size_t kPixelsPerShadowLook = 64, kLeastShadowLooks = 128, kMostShadowLooks = 512;
 constexpr size_t kMostRacing = 96;  // of those in which any does: the error of so many is known to about 1 dB
 constexpr size_t kPixelsPerTask = 8;
-/// Exact looks are to take about so much of the time of the still rays beside them: fewer leave noise, more take time
-/// from all else. The shadow of a fan, equal time: it makes no difference of 1 dB whether it is a quarter or all of it.
-constexpr double kShareOfTime = 0.25;
+/// Exact looks are to take about so much of the time of the still rays beside them: half as many leave 3 dB more noise
+/// in the shadow of a fan, a quarter 10 dB more.
+constexpr double kShareOfTime = 0.5;
 constexpr double kMostStillRaysPerExact = 16;
 
 bool is_any(const std::vector<bool>& meshes) { return std::find(meshes.begin(), meshes.end(), true) != meshes.end(); }
@@ -79,7 +80,7 @@ std::vector<bool> choose_exact_shadows(const PixelContext& context, const Shot& 
   if (!may_be_exact(params, options)) return {};
   std::vector<bool> meshes = context.shader.resting_receivers();
   if (is_any(meshes) && params.shadows == Shadows::automatic)
-    meshes = race_shadows(context, shot.projection, tracer, scene, options, std::move(meshes));
+    meshes = race_shadows(context, shot, params.shading, tracer, scene, options, std::move(meshes));
   return is_any(meshes) ? meshes : std::vector<bool>();
 }
 
@@ -99,7 +100,7 @@ void choose_shadows(MixedFrame& frame, Monitor& monitor) {
   per_exact = 1;
   frame.use_shadows();
   const Passing passing = find_passing(frame, monitor);
-  const double dearer = passing.time / (kShareOfTime * still_sample_time(frame.params.shading));
+  const double dearer = passing.time / (kShareOfTime * lit_sample_time(frame.shot, frame.params.shading));
   per_exact = std::bit_ceil(static_cast<uint32_t>(std::clamp(dearer, 1.0, kMostStillRaysPerExact)));
   if (leaves_open && !exact_wins(frame, passing.pixels, monitor)) per_exact = 0;
   frame.use_shadows();

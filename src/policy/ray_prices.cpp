@@ -83,14 +83,12 @@ double tracing_time(double nodes, double triangles, double hits) {
   return kNode * nodes + kTriangle * triangles + kHit * hits;
 }
 
-double still_sample_time(ShadingKind shading) { return kStill + shading_time(shading); }
-
 RayPrices estimate_prices(const RayWork& work, double key_spans, bool anything_still, ShadingKind shading) {
   if (work.nodes + work.triangles + work.evaluations == 0) return {};  // nothing is known
   const double shade = shading_time(shading);
   const double hits = work.hits / key_spans;
   const double discrete = kDiscrete + kDiscreteMost * hits / (hits + kHalfway) + shade;
-  const double still = still_sample_time(shading);
+  const double still = kStill + shade;
   const double evaluations = std::max(1.0, work.evaluations), cheap = std::min(shade, kUnlit);
   const double tc = tracing_time(work.nodes, work.triangles, work.hits) + (kEvaluation + cheap) * evaluations;
   const double light = (shade - cheap) * evaluations;

@@ -30,14 +30,6 @@ RayWork sample_ray_work(const PixelContext& context, const Shot& shot, const Mot
 
 /// Nanoseconds for so much work of time-continuous rays, see TraceCounters; only their ratios matter.
 double tracing_time(double nodes, double triangles, double hits);
-inline double tracing_time(const TraceCounters& work) {
-  return tracing_time(static_cast<double>(work.nodes), static_cast<double>(work.triangles),
-                      static_cast<double>(work.hits));
-}
-/// Of a discrete sample of what stands still, with its light.
-double still_sample_time(ShadingKind shading);
-/// To find what resting lights bring to a point, with rays through what stands still, but without time-continuous ones.
-inline constexpr double kRestingLightTime = 700;
 
 /// key_spans: see mean_key_spans. anything_still: does any mesh have a single key?
 RayPrices estimate_prices(const RayWork& work, double key_spans, bool anything_still, ShadingKind shading);

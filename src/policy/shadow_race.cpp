@@ -7,16 +7,13 @@
 #include <span>
 
 #include "motion/screen_motion.h"
-#include "policy/ray_prices.h"
+#include "policy/shadow_prices.h"
 #include "shading/exact_shadows.h"
 #include "shading/luminance.h"
 
 namespace kairos {
 
 namespace {
-
-// Nanoseconds as those of tracing_time(): of a shading sample without its rays to resting lights; of one such ray.
-constexpr double kSampleAlone = 1000, kShadowRay = 400;
 
 constexpr size_t kShadowPixels = 512;  // looked at, at most
 constexpr int kPhases = 4;             // of samples in time
@@ -65,7 +62,7 @@ struct Tally {
 
 }  // namespace
 
-std::vector<bool> race_shadows(const PixelContext& context, const Projection& projection, const Tracer& tracer,
+std::vector<bool> race_shadows(const PixelContext& context, const Shot& shot, ShadingKind shading, const Tracer& tracer,
                                const DiscreteScene& scene, const ShadingOptions& options, std::vector<bool> receivers) {
   const ExactShadows shadows(context.shader, tracer, scene, receivers);
   const uint32_t rays_in_pixel = context.sampler.count(),
@@ -77,7 +74,7 @@ std::vector<bool> race_shadows(const PixelContext& context, const Projection& pr
   std::map<uint32_t, Tally> tallies;
   std::array<Ray, Tracer::kMaxPacket> rays;
   std::vector<LightSeen> looks;
-  std::vector<LookPixel> pixels = look_pixels(projection);
+  std::vector<LookPixel> pixels = look_pixels(shot.projection);
   pixels.resize(std::min(pixels.size(), kShadowPixels));
   for (const auto& [x, y] : pixels) {
     const Sampler::Pixel pixel = points.pixel(x, y);
@@ -87,11 +84,11 @@ std::vector<bool> race_shadows(const PixelContext& context, const Projection& pr
       const auto seen = tracer.trace(ray, Visibility::visible, workspace);
       const auto on = std::find_if(seen.begin(), seen.end(), [&](const Segment& s) { return receivers[s.mesh]; });
       if (on == seen.end()) continue;
-      const double before = tracing_time(steps.counters());
+      const TraceCounters before = steps.counters();
       steps.look(shadows, ray, on->mesh, on->triangle, {});
       Tally& tally = tallies[on->mesh];
       ++tally.looks;
-      tally.time += tracing_time(steps.counters()) - before;
+      tally.time += exact_look_time(1, steps.counters()) - exact_look_time(0, before);
       tally.lights += static_cast<double>(steps.lights());
       looks.push_back(light_seen(on->mesh, steps.steps(), samples));
     }
@@ -112,11 +109,14 @@ std::vector<bool> race_shadows(const PixelContext& context, const Projection& pr
     }
   }
   const TraceCounters& c = workspace.counters();
-  const double sight = c.rays > 0 ? tracing_time(c) / static_cast<double>(c.rays) : 0;
+  const double sight = c.rays > 0 ? tracing_time(static_cast<double>(c.nodes), static_cast<double>(c.triangles),
+                                                 static_cast<double>(c.hits)) /
+                                        static_cast<double>(c.rays)
+                                  : 0;
+  const double sample = lit_sample_time(shot, shading);
   const auto exact_wins = [&](const Tally& tally) {
-    const double other = sight + samples * kSampleAlone;  // time of a ray, without these shadows
-    const double exact = other + kRestingLightTime + tally.time / tally.looks;
-    const double sampled = other + samples * kShadowRay * tally.lights / tally.looks;
+    const double sampled = sight + samples * sample;  // time of a ray
+    const double exact = sampled - samples * kLightRayTime * tally.lights / tally.looks + tally.time / tally.looks;
     constexpr double kNothing = 1e-12;  // where neither way has an error, the faster one is taken
     return (tally.space + kNothing) * exact < (tally.space + tally.sampled + kNothing) * sampled;
   };
