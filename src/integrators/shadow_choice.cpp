@@ -77,6 +77,9 @@ bool exact_wins(const MixedFrame& frame, std::vector<LookPixel> pixels, Monitor&
 std::vector<bool> choose_exact_shadows(const PixelContext& context, const Shot& shot, const RenderParams& params,
                                        const Tracer& tracer, const DiscreteScene& scene,
                                        const ShadingOptions& options) {
+  // Colours free of noise change by what changes in the scene alone: where that is shadows, they are steps.
+  if (context.needs.contrast > 0)
+    return params.shadows == Shadows::sampled ? std::vector<bool>() : context.shader.resting_receivers();
   if (!may_be_exact(params, options)) return {};
   std::vector<bool> meshes = context.shader.resting_receivers();
   if (is_any(meshes) && params.shadows == Shadows::automatic)

@@ -1,6 +1,7 @@
 // Emissive triangles as lights: chosen by what they are worth at a point, sampled by solid angle.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <utility>
@@ -32,6 +33,10 @@ class AreaLights {
   AreaLights(const Shot& shot, const Looks& looks);
 
   bool empty() const { return triangles_.empty(); }
+  /// Do they stand still in the shot's space?
+  bool rest() const {
+    return std::none_of(triangles_.begin(), triangles_.end(), [](const LightTriangle& light) { return light.moves; });
+  }
 
   /// The lights as a point sees them at an instant. For one shading sample, on the stack.
   class View {

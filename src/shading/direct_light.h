@@ -36,11 +36,17 @@ class DirectLight {
   /// where there are no emissive meshes.
   Vec3f by_choice(const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant,
                   AreaLights::View& view, SampleKey key) const {
-    Vec3f sum = on_side(point, point.normal, scatter, instant, view, key);
+    return by_choice(point, scatter, instant, view, key, tracing(point, instant));
+  }
+  /// What comes in does arrive(value, direction, dist, glass): the Vec3f that it returns is what arrives.
+  template <class Arrive>
+  Vec3f by_choice(const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant,
+                  AreaLights::View& view, SampleKey key, const Arrive& arrive) const {
+    Vec3f sum = on_side(point, point.normal, scatter, instant, view, key, arrive);
     if (!lights_.sky().empty()) {
       if (const auto bright = lights_.sky().sample(light_point(key.branch(kSkyBranch)))) {
         const Vec3d direction = instant.place.vector_from_world(*bright);
-        sum += from_sky(point, scatter, direction, instant);
+        sum += from_sky(scatter, direction, instant, arrive);
       }
     }
     return sum;
@@ -49,20 +55,25 @@ class DirectLight {
   /// The first two of these on one side of the surface. side: the point's normal or its opposite; view: with it.
   Vec3f on_side(const SurfacePoint& point, Vec3d side, const Scatter& scatter, const SampleInstant& instant,
                 AreaLights::View& view, SampleKey key) const {
+    return on_side(point, side, scatter, instant, view, key, tracing(point, instant));
+  }
+  template <class Arrive>
+  Vec3f on_side(const SurfacePoint& point, Vec3d side, const Scatter& scatter, const SampleInstant& instant,
+                AreaLights::View& view, SampleKey key, const Arrive& arrive) const {
     Vec3f sum{};
     if (lights_.has_many()) {
       const float u = light_point(key.branch(kManyBranch))[0];
       const auto light = lights_.one_of_many(point.position, side, instant.time, instant.place, u);
       if (light && dot(side, light->direction) > 0)
-        sum += arriving(point, scatter.value(light->direction) * light->irradiance, light->direction, light->dist,
-                        instant, Glass::straight);
+        sum +=
+            arrive(scatter.value(light->direction) * light->irradiance, light->direction, light->dist, Glass::straight);
     }
     if (!lights_.areas().empty()) {
       const auto light = view.sample(light_point(key.branch(kAreaBranch)));
       if (light && dot(side, light->direction) > 0) {
         const double density = light->density + (light->is_met ? scatter.area_density(light->direction) : 0);
         const Vec3f value = scatter.value(light->direction) * light->radiance * static_cast<float>(1 / density);
-        sum += arriving(point, value, light->direction, light->dist, instant, glass_);
+        sum += arrive(value, light->direction, light->dist, glass_);
       }
     }
     return sum;
@@ -71,11 +82,15 @@ class DirectLight {
   /// From the sky's pictures in a direction, weighed as one that either of two ways may have chosen.
   Vec3f from_sky(const SurfacePoint& point, const Scatter& scatter, Vec3d direction,
                  const SampleInstant& instant) const {
+    return from_sky(scatter, direction, instant, tracing(point, instant));
+  }
+  template <class Arrive>
+  Vec3f from_sky(const Scatter& scatter, Vec3d direction, const SampleInstant& instant, const Arrive& arrive) const {
     const Vec3d in_world = instant.place.vector_to_world(direction);
     const double density = lights_.sky().density(in_world) + scatter.sky_density(direction);
     if (!(density > 0)) return {};
     const Vec3f value = scatter.value(direction) * lights_.sky().radiance(in_world) * static_cast<float>(1 / density);
-    return arriving(point, value, direction, std::numeric_limits<double>::infinity(), instant, glass_);
+    return arrive(value, direction, std::numeric_limits<double>::infinity(), glass_);
   }
 
   /// Of each of the lights that add_asked() asks and that stand still.
@@ -85,11 +100,25 @@ class DirectLight {
     for (size_t light = 0; light < lights_.punctual_count(); ++light) {
       if (!lights_.rests(light)) continue;
       const auto from = lights_.punctual(light, point.position, instant.time, instant.place);
-      const Vec3f radiance = from ? scatter.value(from->direction) * from->irradiance : Vec3f{};
-      if (radiance == Vec3f{} || !is_finite(radiance)) continue;
-      const ShadowRays::Way way = ShadowRays::way_from(point, from->direction, from->dist);
-      out.push_back({way.ray, static_cast<float>(way.dist), radiance});
+      if (from) collecting(point, out)(scatter.value(from->direction) * from->irradiance, from->direction, from->dist);
     }
+  }
+
+  /// What by_choice() and its like need to trace shadow rays.
+  auto tracing(const SurfacePoint& point, const SampleInstant& instant) const {
+    return [&](Vec3f value, Vec3d direction, double dist, Glass glass) {
+      if (value == Vec3f{} || !is_finite(value)) return Vec3f{};
+      return value * shadows_.open(point, direction, dist, instant, glass);
+    };
+  }
+  /// What they need to note the ways of light instead.
+  static auto collecting(const SurfacePoint& point, std::vector<RestingLight>& out) {
+    return [&](Vec3f value, Vec3d direction, double dist, Glass /*glass*/ = Glass::straight) {
+      if (value == Vec3f{} || !is_finite(value)) return Vec3f{};
+      const ShadowRays::Way way = ShadowRays::way_from(point, direction, dist);
+      out.push_back({way.ray, static_cast<float>(way.dist), value});
+      return Vec3f{};
+    };
   }
 
   /// Adds to `sums` what all those point, spot and directional lights bring that are each asked; those that stand still
@@ -128,12 +157,6 @@ class DirectLight {
   }
 
  private:
-  Vec3f arriving(const SurfacePoint& point, Vec3f value, Vec3d direction, double dist, const SampleInstant& instant,
-                 Glass glass) const {
-    if (value == Vec3f{} || !is_finite(value)) return {};
-    return value * shadows_.open(point, direction, dist, instant, glass);
-  }
-
   // Branches of a sample's key.
   static constexpr uint64_t kAreaBranch = 11, kSkyBranch = 15, kManyBranch = 17;
   static constexpr size_t kTogether = 64;

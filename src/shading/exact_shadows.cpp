@@ -8,12 +8,27 @@ Vec3f RestingLightSteps::look_at_still(const ExactShadows& shadows, const Ray& r
   lights_.clear();
   ShadingQuery query{ray, mesh, triangle, 0, 0, {}};  // at rest, all times are alike
   shadows.shader().resting_light(query, lights_);
-  std::erase_if(lights_, [&](const RestingLight& light) {
-    return shadows.scene().occluded(light.way, 0, light.dist, DiscreteLayer::still);
-  });
+  own_ = {};
+  drop_hidden_at_rest(shadows);
   Vec3f sum{};
   for (const RestingLight& light : lights_) sum += light.radiance;
   return sum;
+}
+
+bool RestingLightSteps::look_at_all(const ExactShadows& shadows, ShadingQuery query, const TimeRange& window,
+                                    Shade& base) {
+  lights_.clear();
+  if (!shadows.shader().steady_light(query, lights_, base)) return false;
+  own_ = base.colour;
+  drop_hidden_at_rest(shadows);
+  look_at_motion(shadows, window);
+  return true;
+}
+
+void RestingLightSteps::drop_hidden_at_rest(const ExactShadows& shadows) {
+  std::erase_if(lights_, [&](const RestingLight& light) {
+    return shadows.scene().occluded(light.way, 0, light.dist, DiscreteLayer::still);
+  });
 }
 
 void RestingLightSteps::look_at_motion(const ExactShadows& shadows, const TimeRange& window) {
@@ -33,7 +48,7 @@ void RestingLightSteps::look_at_motion(const ExactShadows& shadows, const TimeRa
     return a.light != b.light ? a.light < b.light : a.hides < b.hides;
   });
   const auto sum = [&] {
-    Vec3f light{};
+    Vec3f light = own_;
     for (size_t i = 0; i < lights_.size(); ++i)
       if (!hidden_[i]) light += lights_[i].radiance;
     return light;

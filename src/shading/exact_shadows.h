@@ -51,6 +51,10 @@ class RestingLightSteps {
   /// And the second half, of the same point.
   void look_at_motion(const ExactShadows& shadows, const TimeRange& window);
 
+  /// Of all the light that leaves the point with the query's key, its own with it. False: it is more than that of
+  /// resting lights. base: see Shader::steady_light; its colour is in the steps.
+  bool look_at_all(const ExactShadows& shadows, ShadingQuery query, const TimeRange& window, Shade& base);
+
   /// They cover the window; at least one.
   std::span<const Step> steps() const { return steps_; }
   /// Does anything that moves pass before a light?
@@ -60,6 +64,9 @@ class RestingLightSteps {
   TraceCounters counters() const { return workspace_.counters(); }
 
  private:
+  /// Of lights_, those that what stands still hides.
+  void drop_hidden_at_rest(const ExactShadows& shadows);
+
   struct Change {
     float time;
     uint32_t light;
@@ -67,6 +74,7 @@ class RestingLightSteps {
   };
 
   Tracer::Workspace workspace_;
+  Vec3f own_;  // what the point sends in any light
   std::vector<RestingLight> lights_;
   std::vector<Change> changes_;
   std::vector<bool> hidden_;  // [light]

@@ -71,6 +71,9 @@ Lights::Lights(const Shot& shot, const Looks& looks, const Sky& sky)
           .push_back({light, i < shot.moving_lights.size() ? shot.moving_lights[i] : nullptr});
     }
   }
+  const auto still = [](const Punctual& light) { return light.at == nullptr; };
+  rest_ = areas_.rest() && std::all_of(asked_.begin(), asked_.end(), still) &&
+          std::all_of(local.begin(), local.end(), still);
   if (local.size() <= kMostAsked) {
     asked_.insert(asked_.end(), local.begin(), local.end());
     return;

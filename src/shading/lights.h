@@ -47,6 +47,8 @@ class Lights {
   }
   /// Does it stand still in the world?
   bool rests(size_t index) const { return asked_[index].at == nullptr; }
+  /// Do all lights?
+  bool rest() const { return rest_; }
   bool has_many() const { return !many_.empty(); }
   /// One of all others, by what it is worth, divided by its probability: the expectation is the irradiance of them all
   /// on a surface with this normal. u: uniform in [0, 1).
@@ -81,6 +83,7 @@ class Lights {
   LightTree tree_;                      // of many_, in the world
   AreaLights areas_;
   Vec3f environment_, background_;
+  bool rest_ = true;
 };
 
 }  // namespace kairos

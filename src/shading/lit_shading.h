@@ -47,6 +47,14 @@ class LitShading {
   /// Appends what each of the point, spot and directional lights that are all asked and stand still brings to what a
   /// query sees, but for those that bring nothing.
   virtual void resting_light(const ShadingQuery& query, std::vector<RestingLight>& lights) const = 0;
+
+  /// Of a resting point before a resting camera: is all that leaves it, with the query's key, its own light and that of
+  /// lights which rest, along straight ways? Then, at any time, radiance() is `own` and what those of the appended
+  /// lights bring that nothing hides. False: it may be more than that.
+  virtual bool steady_light([[maybe_unused]] const ShadingQuery& query,
+                            [[maybe_unused]] std::vector<RestingLight>& lights, [[maybe_unused]] Vec3f& own) const {
+    return false;
+  }
 };
 
 }  // namespace kairos

@@ -55,7 +55,11 @@ class PacketShading {
   }
 
   uint64_t evaluations() const { return single_.evaluations() + evaluations_; }
-  TraceCounters shadow_counters() const { return listed_.shadow_counters(); }  ///< of exact shadows
+  TraceCounters shadow_counters() const {  ///< of exact shadows
+    TraceCounters sum = listed_.shadow_counters();
+    sum += single_.shadow_counters();
+    return sum;
+  }
 
  private:
   /// All that the packet's rays see of one triangle, laid end to end: ray by ray, in time order.

@@ -66,6 +66,7 @@ class SegmentShading {
   }
 
   uint64_t evaluations() const { return evaluations_; }
+  TraceCounters shadow_counters() const { return steady_.shadow_counters(); }  ///< of exact shadows
 
  private:
   static constexpr uint64_t kShareDimension = 3;  // beside x, y and time
@@ -150,10 +151,7 @@ class SegmentShading {
   Shade between(size_t next, float time) const {
     const Shade &a = shades_[next - 1], &b = shades_[next];
     const float from = instants_[next - 1].time, to = instants_[next].time;
-    const float share = to > from ? (time - from) / (to - from) : 0.0f;
-    const Vec3f normal = lerp(a.normal, b.normal, share);
-    const float length = std::sqrt(dot(normal, normal));
-    return {lerp(a.colour, b.colour, share), length > 0 ? normal / length : Vec3f{}, lerp(a.albedo, b.albedo, share)};
+    return lerp(a, b, to > from ? (time - from) / (to - from) : 0.0f);
   }
 
   const Shader& shader_;

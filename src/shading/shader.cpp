@@ -136,6 +136,11 @@ void Shader::resting_light(ShadingQuery& query, std::vector<RestingLight>& light
   lit_->resting_light(query, lights);
 }
 
+bool Shader::steady_light(ShadingQuery& query, std::vector<RestingLight>& lights, Shade& base) const {
+  base = shade_unlit(query.ray, query.mesh, query.triangle, query.time, query.width);
+  return lit_->steady_light(query, lights, base.colour);
+}
+
 std::vector<bool> Shader::resting_receivers() const {
   std::vector<bool> rest(shot_.meshes.size());
   if (!lit_ || shot_.camera_moves) return rest;

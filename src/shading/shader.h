@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <span>
@@ -27,6 +28,13 @@ struct Shade {
   Vec3f albedo;
 };
 
+/// On the straight line from one to another. share: 0 to 1, of the way.
+inline Shade lerp(const Shade& a, const Shade& b, float share) {
+  const Vec3f normal = lerp(a.normal, b.normal, share);
+  const float length = std::sqrt(dot(normal, normal));
+  return {lerp(a.colour, b.colour, share), length > 0 ? normal / length : Vec3f{}, lerp(a.albedo, b.albedo, share)};
+}
+
 /// Reads the shot, which must outlive it. Safe to use from many threads at once.
 class Shader {
  public:
@@ -50,6 +58,8 @@ class Shader {
 
   /// Of a lit picture: see LitShading. The query's width is filled in.
   void resting_light(ShadingQuery& query, std::vector<RestingLight>& lights) const;
+  /// The same of LitShading::steady_light. base: what surface() gives, with the surface's own light for its colour.
+  bool steady_light(ShadingQuery& query, std::vector<RestingLight>& lights, Shade& base) const;
   /// [mesh]: where resting_light() may be part of what is seen: opaque things that rest before a camera that does, in a
   /// lit scene in which all that hides anything hides all of it, from both sides.
   std::vector<bool> resting_receivers() const;

@@ -23,7 +23,7 @@ struct ShadingOptions {
   TimeGrid grid{8};
   float contrast = 0, dark = 0;  ///< these and what follows: see RecordNeeds
   float looks_begin = 0, looks_end = 1;
-  const ExactShadows* shadows = nullptr;  ///< with Clusters::pixel alone; null: all are sampled
+  const ExactShadows* shadows = nullptr;  ///< with Clusters::pixel or a contrast alone; null: all are sampled
 };
 inline Clusters clusters_of(const RenderParams& params) {
   return params.clusters == Clusters::automatic ? Clusters::pixel : params.clusters;

@@ -8,6 +8,7 @@
 
 #include "math/hash.h"
 #include "pixel/record_builder.h"
+#include "shading/exact_shadows.h"
 #include "shading/layers.h"
 #include "shading/roulette.h"
 #include "shading/shader.h"
@@ -25,37 +26,66 @@ class SteadyShading {
         jump_(kJump * 2 * half_cell_) {}
 
   /// Appends the parts of ray `index` of a pixel to `out`: one for each segment, or for each layer of what is seen
-  /// through blended surfaces. Returns the number of evaluations.
+  /// through blended surfaces. Segments whose colours go on from one to the next are looked at as one. Returns the
+  /// number of evaluations.
   uint64_t shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> blended,
                  const TimeRange& window, uint64_t pixel_seed, uint32_t index, RecordBuilder& out) {
     key_ = {hash(pixel_seed, kSteadyDimension), index};
     evaluations_ = 0;
+    window_ = window;
+    steady_.clear();
     if (blended.empty() && !shader_.has_sky()) {
-      for (const Segment& segment : segments) add(ray, segment, segment.begin, segment.end, 0, 1, out);
+      add_clusters(
+          ray, segments, [](size_t) { return true; }, [](size_t) {}, out);
       return evaluations_;
     }
     opacities_.clear();
     for (const Segment& hit : blended)
       opacities_.push_back(shader_.opacity(ray, hit.mesh, hit.triangle, 0.5f * (hit.begin + hit.end)));
     layers_.build(segments, blended, shader_.has_sky(), opacities_, window);
-    for (size_t i = 0; i < layers_.stretches().size(); ++i) add_stretch(ray, i, blended, out);
+    add_clusters(
+        ray, layers_.stretches(), [&](size_t i) { return layers_.before(i).empty() && !layers_.is_cut(i); },
+        [&](size_t i) { add_stretch(ray, i, blended, out); }, out);
     return evaluations_;
   }
+
+  TraceCounters shadow_counters() const { return steps_.counters(); }  ///< of exact shadows
 
  private:
   static constexpr uint64_t kSteadyDimension = 7;  // beside those of other samples
   /// A change by so many times what straight lines may be off by, within so short a part of a cell, is a jump. Smaller
   /// ones may take as much longer: what lies between the jump and the line in its place stays the same.
   static constexpr float kThreshold = 50, kJump = 0x1p-11f;
+  /// Where the line is off by no more in the middle, those to the middle and on are off by a quarter of it: no need to
+  /// look again.
+  static constexpr float kSure = 2;
   static constexpr float kShortest = 0x1p-19f;  // of the shutter: no jump is known better
   /// Of a segment: more are spent on noise, which no number of them would follow.
   static constexpr uint32_t kMostRefined = 4096;
+
+  /// Adds all that is seen. is_alone(i): nothing blended is in front of it; else add_other(i) adds it.
+  template <class IsAlone, class AddOther>
+  void add_clusters(const Ray& ray, std::span<const Segment> seen, const IsAlone& is_alone, const AddOther& add_other,
+                    RecordBuilder& out) {
+    for (size_t first = 0, after = 0; first < seen.size(); first = after) {
+      after = first + 1;
+      if (!is_alone(first)) {
+        add_other(first);
+        continue;
+      }
+      while (after < seen.size() && is_alone(after) && goes_on(seen[after - 1], seen[after])) ++after;
+      add(ray, seen.subspan(first, after - first), seen[first].begin, seen[after - 1].end, 0, 1, out);
+    }
+  }
+  bool goes_on(const Segment& before, const Segment& after) const {
+    const bool rests = options_.shadows != nullptr && before.mesh != kNoMesh && options_.shadows->on(before.mesh);
+    return before.mesh != kNoMesh && !rests && before.end == after.begin && shader_.joined(before, after);
+  }
 
   /// The opacity of a layer holds for a cell of the grid: as it is halfway through.
   void add_stretch(const Ray& ray, size_t index, std::span<const Segment> blended, RecordBuilder& out) {
     const Segment& back = layers_.stretches()[index];
     const std::span<const uint32_t> before = layers_.before(index);
-    if (before.empty() && !layers_.is_cut(index)) return add(ray, back, back.begin, back.end, 0, 1, out);
     float begin = back.begin;
     for (double cell = std::floor(options_.grid.place(begin)) + 1; begin < back.end; ++cell) {
       const float end = std::clamp(options_.grid.time_at(cell), begin, back.end);
@@ -67,7 +97,7 @@ class SteadyShading {
         if (open < kLeastOpen) return;
         const float opacity = shader_.opacity(ray, hit.mesh, hit.triangle, middle);
         if (!(opacity > 0)) return;
-        add(ray, hit, begin, end, layer++, opacity, out);
+        add(ray, {&hit, 1}, begin, end, layer++, opacity, out);
         open *= 1 - opacity;
       };
       for (const uint32_t hit : before) add_blended(blended[hit]);
@@ -76,24 +106,29 @@ class SteadyShading {
         for (const uint32_t hit : farther_) add_blended(blended[hit]);
       }
       if (open >= kLeastOpen && (back.mesh != kNoMesh || shader_.has_sky() || layer == 0))
-        add(ray, back, begin, end, layer, 1, out);
+        add(ray, {&back, 1}, begin, end, layer, 1, out);
       begin = end;
     }
   }
 
-  /// What is seen of a surface, or of the sky, from `begin` to `end`.
-  void add(const Ray& ray, const Segment& seen, float begin, float end, uint32_t layer, float opacity,
+  /// What is seen of a surface, of some whose colours go on from one to the next, or of the sky, from `begin` to `end`.
+  void add(const Ray& ray, std::span<const Segment> cluster, float begin, float end, uint32_t layer, float opacity,
            RecordBuilder& out) {
-    const bool sky = seen.mesh == kNoMesh;
+    const Segment& front = cluster.front();
+    const bool sky = front.mesh == kNoMesh;
     const auto look = [&](float time) {
       ++evaluations_;
+      const Segment& seen =
+          *std::find_if(cluster.begin(), cluster.end() - 1, [&](const Segment& segment) { return time < segment.end; });
       if (sky) return Instant{time, {shader_.sky(ray, time), {}, {}}};
       return Instant{time, shader_.shade(ray, seen.mesh, seen.triangle, time, key_)};
     };
     instants_.clear();
     // Half-open: at its very end something else is seen.
     const float latest = std::max(begin, std::nextafter(end, 0.0f));
-    if (!(sky ? shader_.sky_varies() : shader_.varies(seen.mesh)) || !(begin < latest)) {
+    if (const Steady* known = sky ? nullptr : find_steady(ray, front)) {
+      add_steps(*known, begin, latest);
+    } else if (!(sky ? shader_.sky_varies() : shader_.varies(front.mesh)) || !(begin < latest)) {
       instants_.push_back(look(begin));
     } else {
       refined_ = 0;
@@ -108,14 +143,71 @@ class SteadyShading {
         before = after;
       }
     }
-    const SeenPart part{
-        {begin, end, distance_at(seen, begin), distance_at(seen, end), seen.mesh, seen.triangle, seen.front},
-        out.knot_count(),
-        static_cast<uint32_t>(instants_.size()),
-        layer,
-        opacity};
-    for (const Instant& at : instants_) out.add_knot(at.time, at.shade.colour, at.shade.normal, at.shade.albedo);
-    out.add_part(part);
+    const auto add_knot = [&](float time, const Shade& shade) {
+      return out.add_knot(time, shade.colour, shade.normal, shade.albedo);
+    };
+    uint32_t knot = add_knot(instants_[0].time, instants_[0].shade);
+    size_t next = 1;  // instant
+    for (const Segment& seen : cluster) {
+      const float from = std::max(begin, seen.begin), to = std::min(end, seen.end);
+      SeenPart part{{from, to, distance_at(seen, from), distance_at(seen, to), seen.mesh, seen.triangle, seen.front},
+                    knot,
+                    1,
+                    layer,
+                    opacity};
+      const bool last = &seen == &cluster.back();
+      for (; next < instants_.size() && (last || instants_[next].time < to); ++next, ++part.knots)
+        knot = add_knot(instants_[next].time, instants_[next].shade);
+      if (!last && next < instants_.size()) {  // the next segment begins with the knot where this one ends
+        const Instant &a = instants_[next - 1], &b = instants_[next];
+        knot = add_knot(to, lerp(a.shade, b.shade, b.time > a.time ? (to - a.time) / (b.time - a.time) : 0.0f));
+        ++part.knots;
+      }
+      out.add_part(part);
+    }
+  }
+
+  /// A triangle that a ray sees and whose light changes in steps alone, or not.
+  struct Steady {
+    uint32_t mesh, triangle;
+    bool in_steps;
+    Shade base;
+    std::vector<RestingLightSteps::Step> steps;
+  };
+
+  /// Null where light changes otherwise, too.
+  const Steady* find_steady(const Ray& ray, const Segment& seen) {
+    if (options_.shadows == nullptr || !options_.shadows->on(seen.mesh)) return nullptr;
+    auto known = std::find_if(steady_.begin(), steady_.end(), [&](const Steady& one) {
+      return one.mesh == seen.mesh && one.triangle == seen.triangle;
+    });
+    if (known == steady_.end()) {
+      ++evaluations_;
+      const ShadingQuery query{ray, seen.mesh, seen.triangle, window_.begin, 0, key_};
+      Steady found{seen.mesh, seen.triangle, false, {}, {}};
+      found.in_steps = steps_.look_at_all(*options_.shadows, query, window_, found.base);
+      if (found.in_steps) found.steps.assign(steps_.steps().begin(), steps_.steps().end());
+      steady_.push_back(std::move(found));
+      known = steady_.end() - 1;
+    }
+    return known->in_steps ? &*known : nullptr;
+  }
+
+  /// Instants at which the colour is constant in between, but for the shortest moments.
+  void add_steps(const Steady& seen, float begin, float latest) {
+    const auto add_instant = [&](float time, const RestingLightSteps::Step& step) {
+      Instant instant{time, seen.base};
+      instant.shade.colour = shader_.limited(step.light);
+      instants_.push_back(instant);
+    };
+    auto step = seen.steps.begin();
+    while (step + 1 != seen.steps.end() && step->end <= begin) ++step;
+    add_instant(begin, *step);
+    for (; step + 1 != seen.steps.end() && step->end < latest; ++step) {
+      add_instant(step->end, *step);
+      add_instant(std::nextafter(step->end, 2.0f), *(step + 1));
+    }
+    add_instant(latest, *step);
   }
 
   /// When the next cell of the grid begins.
@@ -143,14 +235,15 @@ class SteadyShading {
     if (!(before.time < time && time < after.time)) return;
     ++refined_;
     const Instant middle = look(time);
-    const bool straight = is_straight(before.shade.colour, middle.shade.colour, after.shade.colour);
+    const bool straight =
+        times_off_straight(before.shade.colour, middle.shade.colour, after.shade.colour) <= (first ? 1 : kSure);
     if (!straight) refine(before, middle, false, look);
     instants_.push_back(middle);
     if (!straight) refine(middle, after, false, look);
   }
 
-  bool is_straight(Vec3f before, Vec3f middle, Vec3f after) const {
-    return times_off(middle - (before + after) * 0.5f, middle) <= 1;
+  float times_off_straight(Vec3f before, Vec3f middle, Vec3f after) const {
+    return times_off(middle - (before + after) * 0.5f, middle);
   }
   /// In units of what straight lines may be off by.
   float times_off(Vec3f off, Vec3f colour) const {
@@ -169,6 +262,9 @@ class SteadyShading {
   std::vector<Instant> instants_;
   uint32_t refined_ = 0;
   uint64_t evaluations_ = 0;
+  TimeRange window_{};
+  RestingLightSteps steps_;
+  std::vector<Steady> steady_;  // of the ray
 };
 
 }  // namespace kairos

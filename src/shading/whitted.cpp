@@ -123,22 +123,47 @@ Vec3f Whitted::by_chance(const SurfacePoint& point, const Scatter& scatter, cons
                          SampleKey key) const {
   if (scatter.is_dark()) return {};
   AreaLights::View view(lights_.areas(), point.position, point.normal, instant.time);
-  Vec3f colour = direct_.by_choice(point, scatter, instant, view, key);
+  const Vec3f colour = by_choice(point, scatter, instant, view, key, direct_.tracing(point, instant));
+  return colour + by_scattering(point, scatter, instant, view, key);
+}
+
+template <class Arrive>
+Vec3f Whitted::by_choice(const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant,
+                         AreaLights::View& view, SampleKey key, const Arrive& arrive) const {
+  Vec3f colour = direct_.by_choice(point, scatter, instant, view, key, arrive);
   if (lights_.has_environment()) {
     const std::array<float, 3> sample = light_point(key.branch(kEnvironmentBranch));
     const Vec3d direction = cosine_direction(point.normal, sample[0], sample[1]);
-    if (dot(point.face, direction) > 0) {
-      const Vec3f open = shadows_.open(point, direction, std::numeric_limits<double>::infinity(), instant);
-      colour += (scatter.shares().diffuse + scatter.shares().highlight) * lights_.environment() * open;
-    }
+    if (dot(point.face, direction) > 0)
+      colour += arrive((scatter.shares().diffuse + scatter.shares().highlight) * lights_.environment(), direction,
+                       std::numeric_limits<double>::infinity(), Glass::straight);
   }
-  return colour + by_scattering(point, scatter, instant, view, key);
+  return colour;
+}
+
+bool Whitted::steady_light(const ShadingQuery& query, std::vector<RestingLight>& lights, Vec3f& own) const {
+  const SampleInstant instant = points_.instant(query.time);
+  const SurfacePoint point = points_.at(query.ray, query.mesh, query.triangle, query.width, instant);
+  own = is_lit(point) ? point.look.emission : point.face == Vec3d{} ? Vec3f{} : point.look.base_colour;
+  if (!is_lit(point)) return true;
+  const Scatter scatter(point);
+  const Reflectance& shares = scatter.shares();
+  const bool follows = max_depth_ > 0 && std::max(largest(shares.mirror), largest(shares.through)) >= kLeastWeight;
+  if (follows || !lights_.rest() || meets_areas(scatter)) return false;
+  direct_.add_resting(point, scatter, instant, lights);
+  if (scatter.is_dark()) return true;
+  AreaLights::View view(lights_.areas(), point.position, point.normal, instant.time);
+  const auto note = direct_.collecting(point, lights);
+  by_choice(point, scatter, instant, view, query.key, note);
+  if (!lights_.sky().empty())
+    direct_.from_sky(scatter, scatter.direction(light_point(query.key.branch(kScatterBranch))), instant, note);
+  return true;
 }
 
 /// One direction by how the surface scatters: of it, what lights and the sky bring is weighed as by_choice() weighs it.
 Vec3f Whitted::by_scattering(const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant,
                              AreaLights::View& view, SampleKey key) const {
-  const bool has_sky = !lights_.sky().empty(), for_areas = scatter.is_sharp() && !lights_.areas().empty();
+  const bool has_sky = !lights_.sky().empty(), for_areas = meets_areas(scatter);
   if (!has_sky && !for_areas) return {};
   const Vec3d direction = scatter.direction(light_point(key.branch(kScatterBranch)));
   if (!for_areas) return direct_.from_sky(point, scatter, direction, instant);

@@ -24,6 +24,7 @@ class Whitted : public LitShading {
 
   void radiance(std::span<const ShadingQuery> queries, std::span<Vec3f> colours) const override;
   void resting_light(const ShadingQuery& query, std::vector<RestingLight>& lights) const override;
+  bool steady_light(const ShadingQuery& query, std::vector<RestingLight>& lights, Vec3f& own) const override;
 
  private:
   /// The balance of light at a point, as DirectLight wants it.
@@ -54,8 +55,14 @@ class Whitted : public LitShading {
   Vec3f shade(const Ray& ray, const SurfacePoint& point, const Scatter& scatter, Vec3f punctual,
               const SampleInstant& instant, SampleKey key, int depth, float weight) const;
   Vec3f by_chance(const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant, SampleKey key) const;
+  /// But for by_scattering(). arrive: see DirectLight.
+  template <class Arrive>
+  Vec3f by_choice(const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant,
+                  AreaLights::View& view, SampleKey key, const Arrive& arrive) const;
   Vec3f by_scattering(const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant,
                       AreaLights::View& view, SampleKey key) const;
+  /// Does it look for emissive meshes?
+  bool meets_areas(const Scatter& scatter) const { return scatter.is_sharp() && !lights_.areas().empty(); }
   Vec3f from(const Ray& ray, double width, const SampleInstant& instant, SampleKey key, int depth, float weight) const;
 
   SurfacePoints points_;
