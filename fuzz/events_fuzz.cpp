@@ -7,6 +7,7 @@
 
 #include "event_io/ecf.h"
 #include "event_io/event_format.h"
+#include "event_io/npy.h"
 #include "events/recording_state.h"
 
 namespace {
@@ -28,9 +29,12 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size == 0) return 0;
   Checker checker;
   try {
-    const size_t which = data[0] % (kReaders.size() + 2);
+    const size_t which = data[0] % (kReaders.size() + 3);
     if (which < kReaders.size()) {
       kReaders[which]("file", {data + 1, size - 1}, checker);
+    } else if (which == kReaders.size() + 2) {
+      const kairos::NpyLabels labels("labels", {data + 1, size - 1}, size / 22);
+      if (labels.has()) labels.at(size / 22 - 1);
     } else if (which > kReaders.size()) {
       kairos::recording_bytes(kairos::parse_recording({data + 1, size - 1}));
     } else {  // what HDF5 files of Metavision hold in each chunk

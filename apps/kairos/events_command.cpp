@@ -126,19 +126,6 @@ void with_bar(const EventsArguments& arguments, const std::function<void(const P
   }
 }
 
-/// Has the folder's own file of events a place for labels?
-bool has_labels(EventLayout layout) { return layout == EventLayout::eventnerf || layout == EventLayout::dsec; }
-
-/// What the folder's own file of events is told.
-EventFileOptions of_folder(const EventFileOptions& file, EventLayout layout) {
-  EventFileOptions own;
-  own.epoch = file.epoch;
-  own.duration = file.duration;
-  own.kinds = file.kinds && layout == EventLayout::eventnerf;
-  own.labels = file.labels && has_labels(layout);
-  return own;
-}
-
 void run_events(const EventsArguments& arguments, const CLI::App& command, const std::string& command_line) {
   EventOptions options = arguments.options;
   options.shot = arguments.scene.shot;
@@ -150,10 +137,10 @@ void run_events(const EventsArguments& arguments, const CLI::App& command, const
     check_event_file(path, options.shot.width, options.shot.height, arguments.part ? file : EventFileOptions{});
   if (arguments.part) choose_part(arguments, options, paths);
   for (const std::string& path : paths) check_writable(path);
-  const bool folder_has_labels = arguments.has_layout && has_labels(arguments.folder.layout);
+  const bool folder_has_labels = arguments.has_layout && keeps_labels(arguments.folder.layout);
   if (options.labels && !folder_has_labels && std::none_of(paths.begin(), paths.end(), holds_labels))
     throw Error(ErrorCode::bad_usage, arguments.outs.front(),
-                "holds no labels; let --labels write an .npz, an .npy or an .h5, too");
+                "holds no labels; let --labels write an .npz, .npy, .h5 or .hdf5, too");
   const auto say = [&](const std::string& line) {
     if (!arguments.quiet) log(line);
   };
@@ -171,11 +158,11 @@ void run_events(const EventsArguments& arguments, const CLI::App& command, const
   options.change_shot = [&](Shot& shot) { arguments.light.background.apply(shot); };
   choose_times(arguments, *scene, options);
   file.duration = std::llround((options.to - options.from) * 1e9);
-  file.kinds = options.labels || options.sensor.leak > 0 || options.sensor.shot_noise > 0;
+  file.kinds = has_kinds(options);
   std::optional<EventFolder> folder;
   if (arguments.has_layout) {
     EventFolderOptions of = arguments.folder;
-    of.file = of_folder(file, of.layout);
+    of.epoch = file.epoch;
     folder.emplace(arguments.outs.front(), of, *scene, options);
   }
   Files files(paths, options.shot.width, options.shot.height, arguments.part ? event_part_options(file) : file,
@@ -235,9 +222,10 @@ void add_record_options(CLI::App& command, EventsArguments& arguments) {
   add_count(command, "--rays", options.rays, 1, 256, "Rays per pixel: 1, 4, 16, 64 or 256");
   add_choice(command, "--edges", options.edges,
              "How an edge passes a pixel. area: it covers each ray's part as it moves over it; step: rays jump");
-  command.add_flag("--labels", options.labels,
-                   "Also say of each event, in .npz, .npy and .h5, which surface made it and what lies behind, depth, "
-                   "flow and kind");
+  command.add_flag(
+      "--labels", options.labels,
+      "Also say of each event, in .npz, .npy, .h5 and .hdf5, which surface made it and what lies behind, depth, "
+      "flow and kind");
   add_event_sensor_options(command, options.sensor);
   add_event_file_options(command, arguments.file);
   add_choice(command, "--shading", options.render.shading,
@@ -293,7 +281,9 @@ void add_events_command(CLI::App& app, Action& chosen, const std::string& comman
     if (arguments->scene.paths.empty()) throw CLI::RequiredError("SCENE");
     if (arguments->outs.empty()) throw CLI::RequiredError("--output");
     if (arguments->has_layout && arguments->part)
-      throw CLI::ValidationError("--part", "a recording in parts goes to one file, and not to a folder of --layout");
+      throw CLI::ValidationError("--part",
+                                 "a folder of --layout is made in one piece: its pictures are of the whole frame, and "
+                                 "their times may depend on all events; let parts go to a file");
     arguments->scene.shot.textures = arguments->options.render.shading != ShadingKind::normal;
     arguments->scene.shot.strict = arguments->scene.load.strict;
     arguments->light.apply(command, arguments->options.render, arguments->scene.shot);

@@ -21,14 +21,8 @@ struct CompareArguments {
   bool json = false;
 };
 
-class All : public EventSink {
- public:
-  void add(std::span<const Event> more) override { events.insert(events.end(), more.begin(), more.end()); }
-  std::vector<Event> events;
-};
-
 std::vector<Event> read_all(const std::string& path) {
-  All all;
+  EventList all;
   read_events(path, all);
   std::sort(all.events.begin(), all.events.end());
   return all.events;

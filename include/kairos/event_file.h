@@ -31,7 +31,7 @@ struct EventFileOptions {
   Evt evt = Evt::evt3;                   ///< of .raw
   int64_t epoch = 0;                     ///< nanoseconds that are added to all stamps; 0 or more
   bool kinds = false;                    ///< npz: an array that tells signal and noise apart
-  bool labels = false;                   ///< npz, npy, h5: what made each pixel fire
+  bool labels = false;                   ///< npz, npy, h5, hdf5: what made each pixel fire
   int64_t duration = 0;                  ///< nanoseconds: of the recording; .h5 has an index of all of its milliseconds
 };
 
@@ -73,7 +73,7 @@ struct EventFileFacts {
 };
 
 /// Reads what EventFileWriter writes, and others' of these formats. `sink` gets all events in the file's order, at
-/// microseconds where the file has no finer ones. Throws Error(bad_input) or Error(io).
+/// microseconds where the file has no finer ones, and labels where it has them. Throws Error(bad_input) or Error(io).
 KAIROS_API EventFileFacts read_events(const std::string& path, EventSink& sink);
 
 /// A sensor's parameters from JSON: what stands beside a recording, or an object with some of what is under "sensor" in

@@ -1,11 +1,11 @@
 // Recordings with all that is known beside the events, in folders that data sets' loaders read. docs/events.md.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
 
-#include <kairos/event_file.h>
 #include <kairos/events.h>
 #include <kairos/export.h>
 #include <kairos/names.h>
@@ -20,6 +20,9 @@ enum class EventLayout {
   eventnerf,  ///< V. Rudnev et al. 2023: pictures and poses that share out the time of the events; a split's folder
 };
 
+/// Do its files of events have a place for labels?
+inline bool keeps_labels(EventLayout layout) { return layout == EventLayout::eventnerf || layout == EventLayout::dsec; }
+
 struct EventFolderOptions {
   EventLayout layout = EventLayout::rpg;
   double frame_rate = 20;  ///< Hz: of pictures, depth and flow; above 0, at most 1e6
@@ -27,11 +30,12 @@ struct EventFolderOptions {
   double pose_rate = 200;  ///< Hz; above 0, at most 1e6
   int samples = 64;        ///< per pixel of a picture
   bool exr = false;        ///< beside every PNG an EXR of linear colours
-  EventFileOptions file;   ///< epoch, duration, kinds: of the events
+  int64_t epoch = 0;       ///< nanoseconds that are added to all stamps, where the layout has a place for them
 };
 
 /// Takes the events of a recording, and then renders what belongs to it: pictures sharp and blurred, depth, flow to the
-/// next picture, and poses. Pictures show light as the sensor gets it; sRGB, in which white is the sensor's.
+/// next picture, and poses. Labels and kinds of events are kept where the layout has files for them. Pictures show
+/// light as the sensor gets it; sRGB, in which white is the sensor's.
 class KAIROS_API EventFolder : public EventSink {
  public:
   /// recording: of this scene; both must outlive the folder. Throws Error(bad_usage) for options out of range and

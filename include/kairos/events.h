@@ -47,7 +47,21 @@ struct EventLabel {
   float depth = std::numeric_limits<float>::infinity();  ///< of `surface`, along the view axis, in the scene's units
   std::array<float, 2> flow{};                           ///< of its material, pixels a second, right and down
   bool edge = false;  ///< another surface is seen, or the same one where it hides itself; else: colours change
+
+  friend bool operator==(const EventLabel&, const EventLabel&) = default;
 };
+
+/// Names what a label says as files and Python do: field(name, member) for each, in order. Label: EventLabel, const or
+/// not.
+template <class Field, class Label>
+void label_fields(Field&& field, Label& label) {
+  field("surface", label.surface);
+  field("behind", label.behind);
+  field("depth", label.depth);
+  field("flow_x", label.flow[0]);
+  field("flow_y", label.flow[1]);
+  field("edge", label.edge);
+}
 
 /// What a pixel does for a while after an event.
 enum class Refractory {
@@ -109,6 +123,11 @@ struct EventOptions {
   std::function<void(Shot&)> change_shot = {};
 };
 
+/// Need files tell signal and noise apart?
+inline bool has_kinds(const EventOptions& options) {
+  return options.labels || options.sensor.leak > 0 || options.sensor.shot_noise > 0;
+}
+
 /// Where a stream goes.
 class KAIROS_API EventSink {
  public:
@@ -122,6 +141,19 @@ class KAIROS_API EventSink {
   /// At the end of each chunk, when all of its events have been added. state: the bytes by which the recording can go
   /// on from here (EventOptions::resume).
   virtual void end_chunk([[maybe_unused]] const std::function<std::vector<uint8_t>()>& state) {}
+};
+
+/// Keeps a stream in memory.
+class EventList : public EventSink {
+ public:
+  void add(std::span<const Event> more) override { events.insert(events.end(), more.begin(), more.end()); }
+  void add_labelled(std::span<const Event> more, std::span<const EventLabel> of_them) override {
+    add(more);
+    labels.insert(labels.end(), of_them.begin(), of_them.end());
+  }
+
+  std::vector<Event> events;
+  std::vector<EventLabel> labels;  ///< [event], or empty
 };
 
 /// Of a recording.

@@ -1,5 +1,6 @@
 // Event cameras: scenes as streams of events.
 #include <kairos/event_file.h>
+#include <kairos/event_folder.h>
 #include <kairos/events.h>
 
 #include "bindings.h"
@@ -37,13 +38,7 @@ py::dict sensor_preset(const std::string& name) {
   return writer.values;
 }
 
-class Collector : public EventSink {
- public:
-  void add(std::span<const Event> more) override { events.insert(events.end(), more.begin(), more.end()); }
-  std::vector<Event> events;
-};
-
-/// The events as an array of this, whose memory is the collector's.
+/// The events as an array of this, whose memory is the list's.
 py::dtype event_type() {
   const py::list names = py::cast(std::vector<std::string>{"t", "x", "y", "p", "kind"});
   const py::list formats = py::cast(std::vector<std::string>{"i8", "u2", "u2", "i1", "u1"});
@@ -52,10 +47,69 @@ py::dtype event_type() {
   return {names, formats, offsets, sizeof(Event)};
 }
 
-py::array array_of_events(std::unique_ptr<Collector> collected) {
-  Event* data = collected->events.data();
-  const size_t count = collected->events.size();
-  return {event_type(), {count}, {sizeof(Event)}, data, keeper(std::move(collected))};
+py::dtype label_type() {
+  py::list names, formats, offsets;
+  const EventLabel label;
+  label_fields(
+      [&](const char* name, const auto& field) {
+        names.append(name);
+        formats.append(py::dtype::of<std::remove_cvref_t<decltype(field)>>());
+        offsets.append(reinterpret_cast<const char*>(&field) - reinterpret_cast<const char*>(&label));
+      },
+      label);
+  return {names, formats, offsets, sizeof(EventLabel)};
+}
+
+template <class Item>
+py::array array_holding(const py::dtype& type, std::vector<Item> items) {
+  auto held = std::make_unique<std::vector<Item>>(std::move(items));
+  Item* data = held->data();
+  const size_t count = held->size();
+  return {type, {count}, {sizeof(Item)}, data, keeper(std::move(held))};
+}
+
+/// The events, and their labels or None.
+py::tuple arrays_of(EventList&& list) {
+  py::object labels = py::none();
+  if (!list.labels.empty()) labels = array_holding(label_type(), std::move(list.labels));
+  return py::make_tuple(array_holding(event_type(), std::move(list.events)), std::move(labels));
+}
+
+/// Hands events to a list, and to a folder where there is one.
+class ListAndFolder : public EventList {
+ public:
+  explicit ListAndFolder(EventFolder* folder) : folder_(folder) {}
+  void add(std::span<const Event> more) override {
+    EventList::add(more);
+    if (folder_ != nullptr) folder_->add(more);
+  }
+  void add_labelled(std::span<const Event> more, std::span<const EventLabel> of_them) override {
+    EventList::add(more);
+    labels.insert(labels.end(), of_them.begin(), of_them.end());
+    if (folder_ != nullptr) folder_->add_labelled(more, of_them);
+  }
+
+ private:
+  EventFolder* folder_;
+};
+
+/// A folder of a data set's layout, where one is wanted.
+struct FolderWish {
+  std::string path;
+  EventFolderOptions options;
+};
+std::optional<FolderWish> read_folder(const py::object& value) {
+  if (value.is_none()) return std::nullopt;
+  FolderWish wish;
+  Reader reader("record_events", value.cast<py::dict>());
+  reader("folder", wish.path);
+  reader("layout", wish.options.layout);
+  reader("frame_rate", wish.options.frame_rate);
+  reader("frame_exposure", wish.options.exposure);
+  reader("frame_samples", wish.options.samples);
+  reader("pose_rate", wish.options.pose_rate);
+  reader.finish();
+  return wish;
 }
 
 py::tuple events(const HeldScene& held, const py::dict& values, py::object callback) {
@@ -81,6 +135,8 @@ py::tuple events(const HeldScene& held, const py::dict& values, py::object callb
   reader("seed", options.render.seed);
   reader("threads", options.render.threads);
   reader("size", size);
+  reader("labels", options.labels);
+  auto folder_wish = read_folder(reader.take("folder"));
   reader.finish();
   if (size) {
     options.shot.width = (*size)[0];
@@ -89,12 +145,22 @@ py::tuple events(const HeldScene& held, const py::dict& values, py::object callb
   options.shot.threads = options.render.threads;
   if (!is_lit(options.render.shading) && options.shot.lights == LightChoice::automatic)
     options.shot.lights = LightChoice::file;  // without light a studio would only be a background
-  auto sink = std::make_unique<Collector>();
   const Progress progress = progress_of(std::move(callback));
   EventStats stats;
+  EventList list;
   {
     const py::gil_scoped_release unlocked;
-    stats = record_events(*held.scene, options, *sink, progress);
+    std::optional<EventFolder> folder;
+    if (folder_wish) {
+      folder.emplace(folder_wish->path, folder_wish->options, *held.scene, options);
+    }
+    ListAndFolder sink(folder ? &*folder : nullptr);
+    stats = record_events(*held.scene, options, sink, progress);
+    if (folder) {
+      folder->finish(progress);
+      write_event_notes(folder_wish->path + "/recording.json", options, stats, "kairos.record_events");
+    }
+    list = std::move(sink);
   }
   Writer f;
   f("on", stats.on);
@@ -108,18 +174,19 @@ py::tuple events(const HeldScene& held, const py::dict& values, py::object callb
   f("shading_samples", stats.shading_samples);
   f("cpu_seconds", stats.cpu_seconds);
   f.values["notes"] = stats.notes;
-  return py::make_tuple(array_of_events(std::move(sink)), py::make_tuple(stats.width, stats.height), f.values);
+  return py::make_tuple(arrays_of(std::move(list)), py::make_tuple(stats.width, stats.height), f.values, stats.meshes);
 }
 
-/// The library's events of an array of its own kind.
-std::span<const Event> events_of(const py::array& array) {
-  if (array.ndim() != 1 || !array.dtype().equal(event_type()))
-    refuse("events", "is no array of events, as Events.events is");
-  if (array.size() > 1 && array.strides(0) != sizeof(Event)) refuse("events", "is not contiguous; copy it");
-  return {static_cast<const Event*>(array.data()), static_cast<size_t>(array.size())};
+/// The library's items of an array of its own kind.
+template <class Item>
+std::span<const Item> items_of(const char* name, const py::dtype& type, const py::array& array) {
+  if (array.ndim() != 1 || !array.dtype().equal(type)) refuse(name, "is no such array as Events has");
+  if (array.size() > 1 && array.strides(0) != sizeof(Item)) refuse(name, "is not contiguous; copy it");
+  return {static_cast<const Item*>(array.data()), static_cast<size_t>(array.size())};
 }
 
-void write_stream(const py::array& array, std::array<int, 2> size, const std::string& path, const py::dict& values) {
+void write_stream(const py::array& array, const std::optional<py::array>& label_array, std::array<int, 2> size,
+                  const std::string& path, const py::dict& values) {
   EventFileOptions options;
   Reader reader("Events.write", values);
   std::string evt = "3";
@@ -135,7 +202,11 @@ void write_stream(const py::array& array, std::array<int, 2> size, const std::st
   reader("nanoseconds", nanoseconds);
   reader.finish();
   if (nanoseconds) options.time = EventFileOptions::Time::nanoseconds;
-  const std::span<const Event> events = events_of(array);
+  const auto events = items_of<Event>("events", event_type(), array);
+  std::span<const EventLabel> labels;
+  if (label_array) labels = items_of<EventLabel>("labels", label_type(), *label_array);
+  options.labels = label_array && holds_labels(path);
+  if (label_array && labels.size() != events.size()) refuse("labels", "are not as many as events");
   for (size_t i = 0; i < events.size(); ++i)
     if (events[i].time < 0 || events[i].x >= size[0] || events[i].y >= size[1] ||
         (i > 0 && events[i].time < events[i - 1].time))
@@ -143,18 +214,21 @@ void write_stream(const py::array& array, std::array<int, 2> size, const std::st
   if (!events.empty()) options.duration = events.back().time + 1;
   const py::gil_scoped_release unlocked;
   EventFileWriter file(path, size[0], size[1], options);
-  file.add(events);
+  if (options.labels)
+    file.add_labelled(events, labels);
+  else
+    file.add(events);
   file.finish();
 }
 
 py::tuple read_file(const std::string& path) {
-  auto sink = std::make_unique<Collector>();
+  EventList list;
   EventFileFacts facts;
   {
     const py::gil_scoped_release unlocked;
-    facts = read_events(path, *sink);
+    facts = read_events(path, list);
   }
-  return py::make_tuple(array_of_events(std::move(sink)), py::make_tuple(facts.width, facts.height));
+  return py::make_tuple(arrays_of(std::move(list)), py::make_tuple(facts.width, facts.height));
 }
 
 }  // namespace

@@ -59,6 +59,16 @@ std::unique_ptr<FolderLayout> make_layout(EventLayout kind, const FolderPlan& pl
   return make_eventnerf_layout(plan);
 }
 
+/// What the file of events in the folder is told.
+EventFileOptions file_of(const EventFolderOptions& options, const EventOptions& recording) {
+  EventFileOptions file;
+  file.epoch = options.epoch;
+  file.duration = nanoseconds(recording.to - recording.from);
+  file.kinds = options.layout == EventLayout::eventnerf && has_kinds(recording);
+  file.labels = recording.labels && keeps_labels(options.layout);
+  return file;
+}
+
 }  // namespace
 
 class EventFolder::Maker {
@@ -81,7 +91,7 @@ class EventFolder::Maker {
     WriteOptions view;
     view.exposure = -std::log2(recording.sensor.white);
     layout_ = make_layout(options.layout, {path, camera_.projection.width, camera_.projection.height, *lens, meshes,
-                                           options.file, view, options.exr});
+                                           file_of(options, recording), view, options.exr});
   }
 
   void add(std::span<const Event> events, std::span<const EventLabel> labels) {

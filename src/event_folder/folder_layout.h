@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <kairos/camera_pose.h>
+#include <kairos/event_file.h>
 #include <kairos/event_folder.h>
 #include <kairos/image.h>
 

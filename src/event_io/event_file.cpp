@@ -64,7 +64,7 @@ std::string event_file_endings() {
 
 bool holds_labels(const std::string& path) {
   const std::string ending = kind_of(path).ending;
-  return ending == ".npz" || ending == ".npy" || ending == ".h5";
+  return ending == ".npz" || ending == ".npy" || ending == ".h5" || ending == ".hdf5";
 }
 
 void check_event_file(const std::string& path, int width, int height, const EventFileOptions& options) {
@@ -82,7 +82,7 @@ void check_event_file(const std::string& path, int width, int height, const Even
   if (options.polarity && !text && !npz) refuse("how polarity is written can be chosen for .txt and .npz alone");
   if (text && options.time == Time::nanoseconds && options.header != EventFileOptions::Header::none)
     refuse("a file of nanoseconds has a first line of its own, and no other header");
-  if (options.labels && !holds_labels(path)) refuse("labels of events are of .npz, .npy and .h5 alone");
+  if (options.labels && !holds_labels(path)) refuse("labels of events are of .npz, .npy, .h5 and .hdf5 alone");
   if (options.header != EventFileOptions::Header::none && !text) refuse("a header is of .txt alone");
 }
 

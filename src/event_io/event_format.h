@@ -66,6 +66,14 @@ class EventBlock {
   }
   /// To the event that is added next. Either all have one or none.
   void label_next(const EventLabel& label) { labels_.push_back(label); }
+  /// With the label and the kind that stand at `index` of `labels`, where it has() any.
+  template <class Labels>
+  void add_with(const Labels& labels, uint64_t index, int64_t nanoseconds, uint64_t x, uint64_t y, bool on) {
+    if (!labels.has()) return add(nanoseconds, x, y, on);
+    const auto all = labels.at(index);
+    label_next(all.label);
+    add(nanoseconds, x, y, on, all.event_kind());
+  }
   void flush() {
     if (!labels_.empty())
       sink_.add_labelled(events_, labels_);

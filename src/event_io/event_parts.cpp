@@ -73,22 +73,10 @@ ordered_json read_part_notes(const std::string& part) {
   return notes;
 }
 
-/// A part's events, and their labels where it has them.
-class PartEvents : public EventSink {
- public:
-  void add(std::span<const Event> more) override { events.insert(events.end(), more.begin(), more.end()); }
-  void add_labelled(std::span<const Event> more, std::span<const EventLabel> of_them) override {
-    add(more);
-    labels.insert(labels.end(), of_them.begin(), of_them.end());
-  }
-  std::vector<Event> events;
-  std::vector<EventLabel> labels;
-};
-
 /// Hands over what all parts hold, in the stream's order.
-void hand_over_merged(const std::vector<PartEvents>& parts, bool labels, EventSink& sink) {
+void hand_over_merged(const std::vector<EventList>& parts, bool labels, EventSink& sink) {
   constexpr size_t kBlock = 1 << 16;
-  PartEvents block;
+  EventList block;
   const auto flush = [&] {
     if (labels)
       sink.add_labelled(block.events, block.labels);
@@ -159,7 +147,7 @@ void merge_event_parts(const std::vector<std::string>& parts, const std::string&
   if (parts.empty()) throw Error(ErrorCode::bad_usage, out, "is to be made of no parts");
   ordered_json notes;
   EventFileOptions options;
-  std::vector<PartEvents> events(parts.size());
+  std::vector<EventList> events(parts.size());
   for (size_t i = 0; i < parts.size(); ++i) {
     ordered_json own = read_part_notes(parts[i]);
     try {
@@ -190,7 +178,7 @@ void merge_event_parts(const std::vector<std::string>& parts, const std::string&
   } catch (const ordered_json::exception&) {
     refuse_part(notes_path(parts.front()), "is no description of a part of a recording");
   }
-  for (const PartEvents& part : events) count += part.events.size();
+  for (const EventList& part : events) count += part.events.size();
   if (count != counted)
     throw Error(ErrorCode::bad_input, out,
                 "has " + std::to_string(counted) + " events by its parts' descriptions, and " + std::to_string(count) +

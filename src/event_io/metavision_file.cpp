@@ -1,12 +1,13 @@
 // HDF5 files as Prophesee's Metavision writes and reads them: events in chunks of ECF, and an index of every 2 ms.
 #include <algorithm>
 #include <charconv>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "event_io/ecf.h"
 #include "event_io/event_format.h"
-#include "event_io/hdf5_file.h"
+#include "event_io/hdf5_numbers.h"
 #include "event_io/hdf5_readers.h"
 
 namespace kairos {
@@ -79,6 +80,7 @@ class MetavisionWriter : public EventFileWriter::Format {
     put_text(file_, "version", "1.0", path_);
     put_text(file_, "geometry", std::to_string(plan.width) + "x" + std::to_string(plan.height), path_);
     put_text(file_, "integrator", "Kairos", path_);
+    if (plan.options.labels) labels_.emplace(file_, path_);
   }
 
   void add(std::span<const Event> events) override {
@@ -90,8 +92,14 @@ class MetavisionWriter : public EventFileWriter::Format {
     }
   }
 
+  void add_labelled(std::span<const Event> events, std::span<const EventLabel> labels) override {
+    add(events);
+    for (size_t i = 0; labels_ && i < events.size(); ++i) labels_->put(events[i], labels[i]);
+  }
+
   void finish() override {
     flush();
+    if (labels_) labels_->flush();
     if (count_ > 0) index_.push_back(newest_);
     put_text(indexes_, "offset", std::to_string(-first_), path_);
     write_index();
@@ -136,6 +144,7 @@ class MetavisionWriter : public EventFileWriter::Format {
   std::string path_;
   Hdf5Output file_;
   Hdf5Handle events_, indexes_;
+  std::optional<LabelSets> labels_;
   std::vector<CdEvent> block_;
   std::vector<Index> index_;  // one of 16 bytes every 2 ms
   Index newest_;
@@ -233,13 +242,18 @@ EventFileFacts read_metavision(const std::string& path, hid_t file, EventSink& s
   EventFileFacts facts{"Metavision", 0, 0};
   read_geometry(file, facts);
   EventsReader reader(file, path);
+  LabelReader labels(file, path, reader.size());
   EventBlock block(sink);
-  for (uint64_t begin = 0; begin < reader.size(); begin += reader.step())
-    for (const CdEvent& event : reader.read(begin)) {
+  for (uint64_t begin = 0; begin < reader.size(); begin += reader.step()) {
+    const std::vector<CdEvent> events = reader.read(begin);
+    labels.read(begin, events.size());
+    for (size_t i = 0; i < events.size(); ++i) {
+      const CdEvent& event = events[i];
       if (event.time < 0 || event.time > INT64_MAX / 1000 || event.polarity < -1 || event.polarity > 1)
         throw Error(ErrorCode::bad_input, path, "has an event with a time or a polarity that no event has");
-      block.add(event.time * 1000, event.x, event.y, event.polarity > 0);
+      block.add_with(labels, i, event.time * 1000, event.x, event.y, event.polarity > 0);
     }
+  }
   block.flush();
   return facts;
 }

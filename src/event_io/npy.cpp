@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cctype>
+#include <filesystem>
+#include <type_traits>
 #include <utility>
 
 #include <kairos/error.h>
@@ -30,6 +33,14 @@ std::string value_of(std::string_view text, std::string_view key) {
     value += c;
   }
   return value;
+}
+
+/// Bytes of a label.
+size_t label_size() {
+  size_t size = 0;
+  const KindLabel like;
+  kind_label_fields([&](const char* /*name*/, const auto& field) { size += sizeof field; }, like);
+  return size;
 }
 
 }  // namespace
@@ -82,6 +93,50 @@ NpyArray parse_npy(const std::string& place, std::span<const uint8_t> bytes) {
   if (size > 0 && array.data.size() / size < array.count)
     refuse("should hold " + std::to_string(array.count) + " numbers, but ends before the last");
   return array;
+}
+
+std::string npy_labels_path(const std::string& path) {
+  return std::filesystem::path(path).replace_extension(".labels.npy").string();
+}
+
+std::string npy_labels_descr() {
+  std::string descr;
+  const KindLabel like;
+  kind_label_fields(
+      [&](const char* name, const auto& field) {
+        descr += descr.empty() ? "[(" : ",(";
+        descr += "'" + std::string(name) + "'," + npy_descr<std::remove_cvref_t<decltype(field)>>() + ")";
+      },
+      like);
+  return descr + "]";
+}
+
+NpyLabels::NpyLabels(const std::string& place, std::span<const uint8_t> bytes, uint64_t count) {
+  const NpyArray array = parse_npy(place, bytes);
+  if (array.descr != npy_labels_descr()) throw Error(ErrorCode::bad_input, place, "is no array of labels of events");
+  if (array.count != count || array.data.size() / label_size() < count)
+    throw Error(ErrorCode::bad_input, place,
+                "has not as many labels as there are events (" + std::to_string(count) +
+                    ") in the file beside which it lies; remove it, or write both again");
+  data_ = array.data.first(count * label_size());
+}
+
+KindLabel NpyLabels::at(uint64_t index) const {
+  KindLabel all;
+  const uint8_t* at = &data_[index * label_size()];
+  kind_label_fields(
+      [&](const char* /*name*/, auto& field) {
+        using Number = std::remove_cvref_t<decltype(field)>;
+        if constexpr (std::is_same_v<Number, float>)
+          field = std::bit_cast<float>(read_little<uint32_t>(at));
+        else if constexpr (sizeof(Number) == 4)
+          field = read_little<uint32_t>(at);
+        else
+          field = static_cast<Number>(*at);
+        at += sizeof field;
+      },
+      all);
+  return all;
 }
 
 }  // namespace kairos

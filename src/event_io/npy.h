@@ -5,6 +5,8 @@
 #include <span>
 #include <string>
 
+#include "event_io/label_columns.h"
+
 namespace kairos {
 
 /// Metavision's event, of 16 bytes; numpy names the two that are left empty.
@@ -20,5 +22,22 @@ struct NpyArray {
 /// count * item_size(descr). item_size of unknown descriptions is 0.
 NpyArray parse_npy(const std::string& place, std::span<const uint8_t> bytes);
 size_t npy_item_size(const std::string& descr);
+
+/// Where the labels of the events in `path` stand: NAME.labels.npy beside NAME.npy.
+std::string npy_labels_path(const std::string& path);
+/// How numpy describes one label of that file.
+std::string npy_labels_descr();
+/// Labels of events, one after the other. Throws as parse_npy, and where they are not `count`.
+class NpyLabels {
+ public:
+  NpyLabels() = default;  ///< none
+  /// Reads the bytes, which must outlive it.
+  NpyLabels(const std::string& place, std::span<const uint8_t> bytes, uint64_t count);
+  bool has() const { return !data_.empty(); }
+  KindLabel at(uint64_t index) const;
+
+ private:
+  std::span<const uint8_t> data_;
+};
 
 }  // namespace kairos

@@ -2,18 +2,23 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <optional>
+#include <type_traits>
 
 #include <kairos/error.h>
 
+#include "base/file.h"
 #include "event_io/event_format.h"
 #include "event_io/npy.h"
 
 namespace kairos {
 
 namespace {
+
+constexpr uint64_t kMostHeader = 65536;  // bytes: of an array's file
 
 [[noreturn]] void refuse_archive(const std::string& place, const std::string& why) {
   throw Error(ErrorCode::bad_input, place, why);
@@ -127,17 +132,41 @@ EventKind kind_of(const std::optional<Numbers>& kinds, uint64_t index) {
 }
 
 /// What made pixels fire, where an archive says so.
-struct Labels {
-  Numbers surface, behind, depth, flow_x, flow_y, edge;
-
-  EventLabel at(uint64_t index) const {
-    const auto real = [&](const Numbers& numbers) { return static_cast<float>(numbers.real(index)); };
-    return {static_cast<uint32_t>(surface.whole(index)),
-            static_cast<uint32_t>(behind.whole(index)),
-            real(depth),
-            {real(flow_x), real(flow_y)},
-            edge.whole(index) != 0};
+class LabelNumbers {
+ public:
+  /// find: of an array, by its name. count: of the events.
+  template <class Find>
+  LabelNumbers(const std::string& path, uint64_t count, const Find& find) {
+    const EventLabel like;
+    bool all = true;
+    label_fields(
+        [&](const char* name, const auto& field) {
+          const std::optional<Numbers> column = find(name);
+          if (!(all = all && column)) return;
+          if (column->count() != count) refuse_archive(path, "has labels of another number than its events");
+          if (std::is_same_v<decltype(field), const float&> && !column->is_real())
+            refuse_archive(path, "has labels of whole numbers where they are real");
+          columns_.push_back(*column);
+        },
+        like);
+    if (!all) columns_.clear();
   }
+
+  bool has() const { return !columns_.empty(); }
+  EventLabel at(uint64_t index) const {
+    EventLabel label;
+    auto column = columns_.begin();
+    label_fields(
+        [&](const char* /*name*/, auto& field) {
+          set_field(field, column->is_real() ? column->real(index) : static_cast<double>(column->whole(index)));
+          ++column;
+        },
+        label);
+    return label;
+  }
+
+ private:
+  std::vector<Numbers> columns_;  // in the order of label_fields, or none
 };
 
 /// Checks what an event says before it becomes one.
@@ -169,19 +198,10 @@ EventFileFacts read_npz(const std::string& path, std::span<const uint8_t> bytes,
     facts.width = static_cast<int>(std::clamp<int64_t>(resolution->whole(0), 0, 65535));
     facts.height = static_cast<int>(std::clamp<int64_t>(resolution->whole(1), 0, 65535));
   }
-  std::optional<Labels> labels;
-  const auto surface = find("surface"), behind = find("behind"), depth = find("depth"), flow_x = find("flow_x"),
-             flow_y = find("flow_y"), edge = find("edge");
-  if (surface && behind && depth && flow_x && flow_y && edge) {
-    for (const auto* column : {&surface, &behind, &depth, &flow_x, &flow_y, &edge})
-      if ((*column)->count() != t->count()) refuse_archive(path, "has labels of another number than its events");
-    for (const auto* column : {&depth, &flow_x, &flow_y})
-      if (!(*column)->is_real()) refuse_archive(path, "has labels of whole numbers where they are real");
-    labels.emplace(Labels{*surface, *behind, *depth, *flow_x, *flow_y, *edge});
-  }
+  const LabelNumbers labels(path, t->count(), find);
   EventBlock block(sink);
   for (uint64_t i = 0; i < t->count(); ++i) {
-    if (labels) block.label_next(labels->at(i));
+    if (labels.has()) block.label_next(labels.at(i));
     add_checked(block, path, i, nanoseconds_of(*t, i, ns_per_tick), x->whole(i), y->whole(i), p->whole(i),
                 kind_of(kind, i));
   }
@@ -192,13 +212,25 @@ EventFileFacts read_npz(const std::string& path, std::span<const uint8_t> bytes,
 EventFileFacts read_npy(const std::string& path, std::span<const uint8_t> bytes, EventSink& sink) {
   const NpyArray array = parse_npy(path, bytes);
   if (array.descr != kNpyEvents) refuse_archive(path, "is no array of events (x, y, p, t of 16 bytes)");
+  std::vector<uint8_t> label_bytes;
+  NpyLabels labels;
+  if (const std::string beside = npy_labels_path(path); std::filesystem::exists(beside)) {
+    label_bytes = read_file(beside, bytes.size() * 2 + kMostHeader);  // a label is longer than an event
+    labels = NpyLabels(beside, label_bytes, array.count);
+  }
   EventBlock block(sink);
   for (uint64_t i = 0; i < array.count; ++i) {
+    EventKind kind = EventKind::signal;
+    if (labels.has()) {
+      const KindLabel all = labels.at(i);
+      block.label_next(all.label);
+      kind = all.event_kind();
+    }
     const uint8_t* at = &array.data[16 * i];
     const auto time = static_cast<int64_t>(read_little<uint64_t>(at + 8));
     add_checked(block, path, i, time < 0 || time > std::numeric_limits<int64_t>::max() / 1000 ? -1 : time * 1000,
                 read_little<uint16_t>(at), read_little<uint16_t>(at + 2),
-                static_cast<int16_t>(read_little<uint16_t>(at + 4)), EventKind::signal);
+                static_cast<int16_t>(read_little<uint16_t>(at + 4)), kind);
   }
   block.flush();
   return {"npy", 0, 0};

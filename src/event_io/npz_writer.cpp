@@ -1,11 +1,12 @@
 // numpy archives of events, and arrays of them.
-#include <array>
-#include <filesystem>
+#include <deque>
 #include <optional>
+#include <type_traits>
 
 #include "base/atomic_file.h"
 #include "base/npz_file.h"
 #include "event_io/event_format.h"
+#include "event_io/label_columns.h"
 #include "event_io/npy.h"
 
 namespace kairos {
@@ -13,25 +14,30 @@ namespace kairos {
 namespace {
 
 /// What made pixels fire.
-struct LabelColumns {
-  NpyColumn surface, behind, depth, flow_x, flow_y, edge;
-
-  explicit LabelColumns(const std::string& path)
-      : surface(path, "surface", "'<u4'"),
-        behind(path, "behind", "'<u4'"),
-        depth(path, "depth", "'<f4'"),
-        flow_x(path, "flow_x", "'<f4'"),
-        flow_y(path, "flow_y", "'<f4'"),
-        edge(path, "edge", "'|b1'") {}
-  void put(const EventLabel& label) {
-    surface.put(label.surface);
-    behind.put(label.behind);
-    depth.put(label.depth);
-    flow_x.put(label.flow[0]);
-    flow_y.put(label.flow[1]);
-    edge.put(static_cast<uint8_t>(label.edge));
+class LabelColumns {
+ public:
+  explicit LabelColumns(const std::string& path) {
+    const EventLabel like;
+    label_fields(
+        [&](const char* name, const auto& field) {
+          columns_.emplace_back(path, name, npy_descr<std::remove_cvref_t<decltype(field)>>());
+        },
+        like);
   }
-  std::array<NpyColumn*, 6> all() { return {&surface, &behind, &depth, &flow_x, &flow_y, &edge}; }
+  void put(const EventLabel& label) {
+    auto column = columns_.begin();
+    label_fields([&](const char* /*name*/, const auto& field) { put_field(*column++, field); }, label);
+  }
+  std::deque<NpyColumn>& all() { return columns_; }
+
+ private:
+  static void put_field(NpyColumn& column, bool field) { column.put(static_cast<uint8_t>(field)); }
+  template <class Number>
+  static void put_field(NpyColumn& column, Number field) {
+    column.put(field);
+  }
+
+  std::deque<NpyColumn> columns_;  // which never move
 };
 
 class NpzWriter : public EventFileWriter::Format {
@@ -79,7 +85,7 @@ class NpzWriter : public EventFileWriter::Format {
     std::vector<NpyColumn*> all{&t_, &x_, &y_, &p_};
     if (kind_) all.push_back(&*kind_);
     if (labels_)
-      for (NpyColumn* column : labels_->all()) all.push_back(column);
+      for (NpyColumn& column : labels_->all()) all.push_back(&column);
     return all;
   }
 
@@ -96,8 +102,7 @@ class NpzWriter : public EventFileWriter::Format {
 class NpyWriter : public EventFileWriter::Format {
  public:
   explicit NpyWriter(const EventFilePlan& plan) : file_(plan.path, kNpyEvents) {
-    if (plan.options.labels)
-      labels_.emplace(std::filesystem::path(plan.path).replace_extension(".labels.npy").string(), kNpyLabels);
+    if (plan.options.labels) labels_.emplace(npy_labels_path(plan.path), npy_labels_descr());
   }
 
   void add_labelled(std::span<const Event> events, std::span<const EventLabel> labels) override {
@@ -105,13 +110,15 @@ class NpyWriter : public EventFileWriter::Format {
     if (!labels_) return;
     bytes_.clear();
     for (size_t i = 0; i < events.size(); ++i) {
-      const EventLabel& label = labels[i];
-      put_item(bytes_, label.surface);
-      put_item(bytes_, label.behind);
-      put_item(bytes_, label.depth);
-      for (const float flow : label.flow) put_item(bytes_, flow);
-      put_item(bytes_, static_cast<uint8_t>(label.edge));
-      put_item(bytes_, static_cast<uint8_t>(events[i].kind));
+      const KindLabel all{labels[i], static_cast<uint8_t>(events[i].kind)};
+      kind_label_fields(
+          [&](const char* /*name*/, const auto& field) {
+            if constexpr (std::is_same_v<decltype(field), const bool&>)
+              put_item(bytes_, static_cast<uint8_t>(field));
+            else
+              put_item(bytes_, field);
+          },
+          all);
     }
     labels_->write(bytes_, events.size());
   }
@@ -132,12 +139,6 @@ class NpyWriter : public EventFileWriter::Format {
   }
 
  private:
-  /// Beside the events, one for each.
-  static constexpr const char* kNpyLabels =
-      "[('surface','<u4'),('behind','<u4'),('depth','<f4'),('flow_x','<f4'),('flow_y','<f4'),('edge','|b1'),('kind','|"
-      "u1"
-      "')]";
-
   NpyFile file_;
   std::optional<NpyFile> labels_;
   std::vector<uint8_t> bytes_;

@@ -17,12 +17,6 @@
 namespace kairos {
 namespace {
 
-class Collector : public EventSink {
- public:
-  void add(std::span<const Event> more) override { events.insert(events.end(), more.begin(), more.end()); }
-  std::vector<Event> events;
-};
-
 constexpr int kWidth = 346, kHeight = 260;
 
 /// Bursts with silence in between, longer than the counters of EVT3, and rows in which many fire at once.
@@ -97,7 +91,7 @@ TEST(EventFiles, OfAllKindsHoldWhatWasWrittenToTheMicrosecond) {
   for (const Case& one : cases) {
     const std::string path = folder.path(one.name);
     write(path, events, one.options);
-    Collector collector;
+    EventList collector;
     const EventFileFacts facts = read_events(path, collector);
     EXPECT_EQ(facts.width, one.has_size ? kWidth : 0) << one.name;
     EXPECT_EQ(facts.height, one.has_size ? kHeight : 0) << one.name;
@@ -207,24 +201,29 @@ TEST(EventFiles, SayWhatIsNoise) {
   EventFileOptions options;
   options.kinds = true;
   write(folder.path("a.npz"), events, options);
-  Collector collector;
+  EventList collector;
   read_events(folder.path("a.npz"), collector);
   EXPECT_EQ(collector.events, events);
 }
 
 TEST(EventFiles, HoldLabelsBesideEvents) {
   const TempFolder folder;
-  const std::vector<Event> events{{1000, 1, 2, 1, EventKind::signal}, {2000, 3, 4, -1, EventKind::signal}};
-  const std::vector<EventLabel> labels{{2, 1, 0.5f, {1, -2}, true}, {7, 7, 3, {0, 4}, false}};
+  const std::vector<Event> events{{1000, 1, 2, 1, EventKind::signal}, {2000, 3, 4, -1, EventKind::shot}};
+  const std::vector<EventLabel> labels{{2, 1, 0.5f, {1, -2}, true}, {0xffffffffu, 7, 3, {0, 4}, false}};
   EventFileOptions options;
-  options.labels = true;
-  EventFileWriter writer(folder.path("a.npz"), kWidth, kHeight, options);
-  writer.add_labelled(std::span(events).first(1), std::span(labels).first(1));
-  writer.add_labelled(std::span(events).subspan(1), std::span(labels).subspan(1));
-  writer.finish();
-  Collector collector;
-  read_events(folder.path("a.npz"), collector);
-  EXPECT_EQ(collector.events, events);
+  options.labels = options.kinds = true;
+  for (const std::string ending : {".npz", ".npy", ".h5", ".hdf5"}) {
+    const std::string path = folder.path("a" + ending);
+    EventFileWriter writer(path, kWidth, kHeight, options);
+    writer.add_labelled(std::span(events).first(1), std::span(labels).first(1));
+    writer.add_labelled(std::span(events).subspan(1), std::span(labels).subspan(1));
+    writer.finish();
+    EXPECT_TRUE(holds_labels(path));
+    EventList read;
+    read_events(path, read);
+    EXPECT_EQ(read.events, events) << ending;
+    EXPECT_EQ(read.labels, labels) << ending;
+  }
   const std::string bytes = bytes_of(folder.path("a.npz"));
   // An array begins behind the member's name, 20 bytes of sizes and a header of 128.
   const auto holds = [&](const std::string& name, auto first, auto second) {
@@ -233,13 +232,17 @@ TEST(EventFiles, HoldLabelsBesideEvents) {
     ASSERT_LE(at + sizeof(expected), bytes.size()) << name;
     EXPECT_EQ(std::memcmp(&bytes[at], expected.data(), sizeof(expected)), 0) << name;
   };
-  holds("surface", 2u, 7u);
+  holds("surface", 2u, 0xffffffffu);
   holds("behind", 1u, 7u);
   holds("depth", 0.5f, 3.0f);
   holds("flow_x", 1.0f, 0.0f);
   holds("flow_y", -2.0f, 4.0f);
   holds("edge", true, false);
   expect_error([&] { EventFileWriter(folder.path("a.raw"), kWidth, kHeight, options); }, {"npz"}, ErrorCode::bad_usage);
+  // Labels of other events than those beside which they lie.
+  write(folder.path("a.npy"), {events[0]});
+  EventList other;
+  expect_error([&] { read_events(folder.path("a.npy"), other); }, {"a.labels.npy", "(1)"});
 }
 
 TEST(EventFiles, AreNotThereUntilTheyAreFinished) {
@@ -268,7 +271,7 @@ TEST(EventFiles, ThatAreBrokenDoNoHarm) {
         for (int k = 0; k < 3; ++k)
           broken[random() % std::min<size_t>(whole.size(), 4000)] = static_cast<char>(random());
       const std::string path = folder.write("broken." + ending, broken);
-      Collector collector;
+      EventList collector;
       try {
         read_events(path, collector);
       } catch (const Error& error) {
@@ -302,7 +305,7 @@ TEST(EventFiles, WhatCannotBeIsRefused) {
   expect_error(writer("a.raw", 10, 10, options), {"seconds"}, ErrorCode::bad_usage);
   options.header = EventFileOptions::Header::e2vid;
   expect_error(writer("a.txt", 10, 10, options), {"first line"}, ErrorCode::bad_usage);
-  Collector collector;
+  EventList collector;
   expect_error([&] { read_events(folder.write("a.txt", "0.5 1 2 1\n0.6 1 x 1\n"), collector); }, {"a.txt:2", "'x'"});
   expect_error([&] { read_events(folder.write("b.txt", std::string(40, '9') + " 1 2 1\n"), collector); }, {"no time"});
   expect_error([&] { read_events(folder.write("a.npz", "PK"), collector); }, {"archive"});

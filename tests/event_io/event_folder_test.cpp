@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <kairos/event_file.h>
 #include <kairos/event_folder.h>
 #include <kairos/image.h>
 #include <kairos/make_scene.h>

@@ -62,9 +62,9 @@ TEST(Events, OfAStraightEdgeHaveExactStampsForAnyNumberOfRays) {
     edge.before = static_cast<float>(uniform(0.1, 1));
     edge.after = static_cast<float>(edge.before * (rays == 16 ? uniform(10, 50) : uniform(0.1, 0.5)));
     const EventOptions options = flat_options(rays);
-    Collector collector;
+    EventList collector;
     record_events(*edge.scene(), options, collector);
-    const auto pixels = collector.by_pixel();
+    const auto pixels = by_pixel(collector.events);
     constexpr double kRounding = 2e-4;  // pixels: of positions in single precision
     constexpr double kLevel = 1e-3;     // what that does to the level that a pixel begins with
     size_t count = 0;
@@ -98,10 +98,10 @@ TEST(Events, OfEdgesThatAreTooSlowToBeFollowedDoNotComeAllAtOnce) {
   edge.before = 0.05f;
   edge.after = 1;
   EventOptions options = flat_options(1);
-  Collector collector;
+  EventList collector;
   record_events(*edge.scene(), options, collector);
   EXPECT_GT(collector.events.size(), 30u);
-  for (const auto& [pixel, events] : collector.by_pixel())
+  for (const auto& [pixel, events] : by_pixel(collector.events))
     for (size_t i = 1; i < events.size(); ++i)
       EXPECT_GT(events[i].time - events[i - 1].time, 10000) << "pixel " << pixel.first << ' ' << pixel.second;
 }
@@ -180,7 +180,7 @@ TEST(Events, ClaimABrightnessWithinOneThresholdOfTheTrueOneAtAnyInstant) {
   options.render.seed = seed;
   options.edges = EdgeModel::step;
   options.sensor.off = 0.3;
-  Collector collector;
+  EventList collector;
   record_events(*triangles.scene(), options, collector);
   EXPECT_GT(collector.events.size(), 30u);
   const Sampler sampler(SamplerKind::owen_sobol, kRays, options.render.seed);
@@ -219,7 +219,7 @@ TEST(Events, ClaimTheBrightnessOfPixelsAreas) {
       options.render.seed = random();
       options.edges = model;
       options.chunk = 10;  // slow edges are followed all over a pixel, for a tenth of it
-      Collector collector;
+      EventList collector;
       record_events(*triangles.scene(), options, collector);
       EXPECT_GT(collector.events.size(), 30u);
       for (const auto& pixel : beyond_threshold(collector, options, kInstants, random, light))
@@ -248,12 +248,12 @@ TEST(Events, AreTheSameForAnyNumberOfThreadsAndNearlySoForOtherChunks) {
   options.chunk = 1;
   std::vector<Event> whole = record(*edge.scene(), options);
   ASSERT_EQ(quarters.size(), whole.size());
-  const auto by_pixel = [](const Event& a, const Event& b) {
+  const auto pixel_first = [](const Event& a, const Event& b) {
     return std::tuple(a.y, a.x, a.time) < std::tuple(b.y, b.x, b.time);
   };
   std::vector<Event> sorted = quarters;
-  std::sort(sorted.begin(), sorted.end(), by_pixel);
-  std::sort(whole.begin(), whole.end(), by_pixel);
+  std::sort(sorted.begin(), sorted.end(), pixel_first);
+  std::sort(whole.begin(), whole.end(), pixel_first);
   for (size_t i = 0; i < sorted.size(); ++i) {
     EXPECT_EQ(sorted[i].x, whole[i].x);
     EXPECT_NEAR(static_cast<double>(sorted[i].time), static_cast<double>(whole[i].time), 2000) << "ns";
@@ -285,9 +285,9 @@ TEST(Events, OfColoursThatChangeAreExactToAFractionOfAThreshold) {
   options.sensor.on = options.sensor.off = 0.05;
   options.looks = 2;
   options.labels = true;
-  Collector collector;
+  EventList collector;
   record_events(*scene, options, collector);
-  const auto middle = collector.by_pixel()[{kWidth / 2, kHeight / 2}];
+  const auto middle = by_pixel(collector.events)[{kWidth / 2, kHeight / 2}];
   ASSERT_GT(middle.size(), 6u);
   const auto brightness = [&](double time) {
     const double angle = -0.6 + kTurn * time;
@@ -340,7 +340,7 @@ TEST(Events, AreLabelledWithTheSurfacesThatMakeThem) {
     options.edges = model;
     options.labels = true;
     options.sensor.shot_noise = 20;
-    Collector collector;
+    EventList collector;
     record_events(*scene, options, collector);
     ASSERT_EQ(collector.labels.size(), collector.events.size());
     std::map<std::pair<EventKind, int>, int> counts;
@@ -388,7 +388,7 @@ TEST(Events, OfARidgeAreNoOutlines) {
   EventOptions options = flat_options(4);
   options.render.shading = ShadingKind::normal;
   options.labels = true;
-  Collector collector;
+  EventList collector;
   record_events(*make_scene(description), options, collector);
   EXPECT_GT(collector.events.size(), 50u);
   for (const EventLabel& label : collector.labels) {
@@ -434,7 +434,7 @@ TEST(Events, OptionsOutOfRangeAreRefusedInOneLine) {
 }
 
 /// Keeps, besides, what each chunk says at its end.
-class ChunkKeeper : public Collector {
+class ChunkKeeper : public EventList {
  public:
   void end_chunk(const std::function<std::vector<uint8_t>()>& state) override {
     states.push_back(state());
@@ -458,7 +458,7 @@ TEST(Events, GoOnWhereARecordingWasCutOff) {
   ASSERT_EQ(whole.states.size(), 8u);
   const size_t cut = random() % 7;
   options.resume = whole.states[cut];
-  Collector rest;
+  EventList rest;
   const EventStats both = record_events(*scene, options, rest);
   EXPECT_EQ(both.on, stats.on);
   EXPECT_EQ(both.meshes, stats.meshes);

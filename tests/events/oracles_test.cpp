@@ -7,6 +7,10 @@
 
 #include <gtest/gtest.h>
 
+#include <kairos/event_compare.h>
+#include <kairos/image.h>
+#include <kairos/render.h>
+
 #include "events/coverage.h"
 #include "recorded_events.h"
 #include "seed.h"
@@ -16,10 +20,10 @@ namespace {
 
 /// light(x, y, time): of a pixel. A level at an event must lie between what is seen `slack` seconds earlier and later.
 /// level_slack: of what a pixel begins with. Returns the number of events of those pixels that are looked at.
-size_t expect_levels(const Collector& collector, double slack, const std::function<bool(int x, int y)>& looked_at,
+size_t expect_levels(const EventList& collector, double slack, const std::function<bool(int x, int y)>& looked_at,
                      const std::function<double(int x, int y, double time)>& light, double level_slack = 0.02) {
   size_t count = 0;
-  for (const auto& [pixel, events] : collector.by_pixel()) {
+  for (const auto& [pixel, events] : by_pixel(collector.events)) {
     const auto [x, y] = pixel;
     if (!looked_at(x, y)) continue;
     double level = std::log(light(x, y, 0) + kDark);
@@ -74,7 +78,7 @@ TEST(EventOracles, OfATurningEdge) {
   EventOptions options = flat_options(16);
   options.shot.motion_tolerance = 1e-3;
   options.chunk = 10;  // slow edges are followed all over a ray's cell
-  Collector collector;
+  EventList collector;
   record_events(*make_scene(scene_of(mesh, 0.1f, 1)), options, collector);
   // Away from the hub: there the edge turns a good deal while it passes a ray's cell.
   const auto far = [&](int x, int y) {
@@ -117,7 +121,7 @@ TEST(EventOracles, OfAMovingGrating) {
   };
   EventOptions options = flat_options(64);
   options.looks = 8;  // and as many more as it takes
-  Collector collector;
+  EventList collector;
   record_events(*make_scene(description), options, collector);
   // Pixels: 64 points, and not the area; and at the least light there is, a part of it, as pictures are smoothed, too.
   constexpr double kOff = 0.08;
@@ -147,11 +151,72 @@ TEST(EventOracles, OfAWireThinnerThanAPixel) {
     const Coverage coverage(cos, sin);
     return 0.1 + 0.9 * (coverage.at(past) - coverage.at(past - width));
   };
-  Collector collector;
+  EventList collector;
   record_events(*make_scene(scene_of(mesh, 0.1f, 1)), flat_options(1), collector);
   EXPECT_GT(expect_levels(
                 collector, 1e-3 / speed, [](int, int) { return true; }, light),
             100u);
+}
+
+/// Two edges of one surface fly over each pixel, in directions of their own; where they cross, in which pixels are
+/// looked at apart, their coverages are no sum.
+TEST(EventOracles, OfEdgesThatCrossGetBetterWithMoreRays) {
+  std::mt19937 random(test::seed());
+  const auto uniform = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  constexpr int kScenes = 3, kInstants = 12, kGrid = 24;
+  std::array<double, 3> excess{}, apart{};  // of 1, 4 and 16 rays; apart: at pixels that no corner passes
+  for (int number = 0; number < kScenes; ++number) {
+    // A wedge that flies to where it points.
+    const double angle = uniform(0, 6.28), opening = uniform(0.5, 1.2), speed = uniform(8, 14);
+    const std::array<double, 2> normals{angle + opening, angle - opening};
+    const auto tip = [&](double time) {
+      const double far = speed * (time - 0.5);
+      return std::array{far * std::cos(angle), far * std::sin(angle)};
+    };
+    MeshDescription mesh;
+    mesh.triangles = {{0, 1, 2}};
+    mesh.times = {-1, 2};
+    for (const double time : mesh.times) {
+      const auto [x, y] = tip(time);
+      std::vector<Vec3f> corners{on_film(x, y)};
+      // Along its two sides, backwards: at right angles to their normals.
+      for (const double side : {angle + opening + std::numbers::pi / 2, angle - opening - std::numbers::pi / 2})
+        corners.push_back(on_film(x + 60 * std::cos(side), y + 60 * std::sin(side)));
+      mesh.positions.push_back(corners);
+    }
+    const auto past = [&](double x, double y, double time, size_t side) {
+      const auto [tip_x, tip_y] = tip(time);
+      return (tip_x - x) * std::cos(normals[side]) + (tip_y - y) * std::sin(normals[side]);
+    };
+    const auto light = [&](int x, int y, double time) {
+      double covered = 0;
+      for (int i = 0; i < kGrid * kGrid; ++i) {
+        const double right = x + (i % kGrid + 0.5) / kGrid - kWidth / 2.0,
+                     down = y + (i / kGrid + 0.5) / kGrid - kHeight / 2.0;
+        covered += past(right, down, time, 0) > 0 && past(right, down, time, 1) > 0;
+      }
+      return 0.1 + 0.9 * covered / (kGrid * kGrid);
+    };
+    const auto scene = make_scene(scene_of(mesh, 0.1f, 1));
+    const auto seed = random();
+    for (size_t i = 0; i < excess.size(); ++i) {
+      EventOptions options = flat_options(std::array{1, 4, 16}[i]);
+      options.chunk = 10;
+      EventList collector;
+      record_events(*scene, options, collector);
+      std::mt19937 instants(seed);
+      const auto pixels = beyond_threshold(collector, options, kInstants, instants, light);
+      for (size_t pixel = 0; pixel < pixels.size(); ++pixel) {
+        // How far the tip's way is from the pixel's middle.
+        const double x = static_cast<double>(pixel % kWidth) + 0.5 - kWidth / 2.0,
+                     y = static_cast<double>(pixel / kWidth) + 0.5 - kHeight / 2.0;
+        const bool crossed = std::abs(x * std::sin(angle) - y * std::cos(angle)) < 1;
+        for (const double beyond : pixels[pixel]) (crossed ? excess : apart)[i] += std::max(beyond, 0.0);
+      }
+    }
+  }
+  EXPECT_LT(excess[2], 0.6 * excess[0]) << excess[0] << ' ' << excess[1] << ' ' << excess[2];
+  for (const double beyond : apart) EXPECT_LT(beyond, 0.5) << "where one edge passes after the other";
 }
 
 /// Of curved outlines the error falls as the number of rays grows.
@@ -186,7 +251,7 @@ TEST(EventOracles, OfDiscsGetBetterWithMoreRays) {
     for (size_t i = 0; i < excess.size(); ++i) {
       EventOptions options = flat_options(std::array{1, 4, 16}[i]);
       options.chunk = 10;
-      Collector collector;
+      EventList collector;
       record_events(*scene, options, collector);
       std::mt19937 instants(seed);
       for (const auto& pixel : beyond_threshold(collector, options, kInstants, instants, light))
@@ -194,6 +259,204 @@ TEST(EventOracles, OfDiscsGetBetterWithMoreRays) {
     }
   }
   EXPECT_LT(excess[2], 0.6 * excess[0]);
+}
+
+/// A picture's borders are known to who looks at it alone: rays jump. Against many more of them.
+TEST(EventOracles, OfTexturedPlanesGetBetterWithMoreRays) {
+  std::mt19937 random(test::seed());
+  const auto uniform = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  Pixels picture;
+  picture.width = picture.height = 8;
+  for (int i = 0; i < 64; ++i) {
+    const auto grey = static_cast<float>(uniform(0.05, 1));
+    picture.values.insert(picture.values.end(), {grey, grey, grey, 1});
+  }
+  MeshDescription mesh;
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  constexpr double kSeconds = 0.1;
+  mesh.times = {0, kSeconds};
+  mesh.uvs = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};
+  const double turn = uniform(0, 6.28), far = uniform(4, 6);
+  for (const double way : {-0.5, 0.5}) {
+    std::vector<Vec3f> corners;
+    for (const auto& [x, y] : {std::pair{-12.0, -12.0}, {-12.0, 12.0}, {12.0, 12.0}, {12.0, -12.0}})
+      corners.push_back(
+          on_film(x * std::cos(turn) - y * std::sin(turn) + way * far, x * std::sin(turn) + y * std::cos(turn)));
+    mesh.positions.push_back(corners);
+  }
+  SceneDescription description = scene_of(mesh, 0.5f, 1);
+  description.pictures["squares"] = picture;
+  description.materials[0].base_color_texture.picture = "squares";
+  const auto scene = make_scene(description);
+  std::array<std::vector<Event>, 3> streams;
+  for (size_t i = 0; i < streams.size(); ++i) {
+    EventOptions options = flat_options(std::array{1, 16, 256}[i]);
+    options.to = kSeconds;
+    streams[i] = record(*scene, options);
+  }
+  ASSERT_GT(streams[2].size(), 50u);
+  const auto off = [&](size_t i) { return compare_events(streams[2], streams[i], 20000000).brightness_rms; };
+  EXPECT_LT(off(1), 0.6 * off(0));
+  EXPECT_LT(off(1), 0.4) << "thresholds";
+}
+
+/// At any instant, of any scene, the brightness that events claim is within one threshold of what independent rays see:
+/// discrete ones, at the same points of the pixel.
+class EventClaims {
+ public:
+  explicit EventClaims(std::mt19937& random) : random_(random) {}
+
+  void expect(const char* name, const Scene& scene, ShadingKind shading) {
+    EventOptions options = flat_options(4);
+    options.render.shading = shading;
+    options.render.seed = random_();
+    options.edges = EdgeModel::step;
+    options.sensor.on = options.sensor.off = kContrast;
+    options.shot.motion_tolerance = 1e-4;
+    EventList list;
+    record_events(scene, options, list);
+    EXPECT_GT(list.events.size(), 60u) << name;
+    const std::vector<double> first = brightness(scene, options, 0);
+    constexpr int kInstants = 20;
+    int broken = 0;
+    for (int i = 0; i < kInstants; ++i) {
+      const double time = std::uniform_real_distribution(0.0, 1.0)(random_);
+      std::vector<double> claimed = first;
+      for (const Event& event : list.events)
+        if (static_cast<double>(event.time) * 1e-9 <= time)
+          claimed[event.y * size_t{kWidth} + event.x] += kContrast * event.polarity;
+      const std::vector<double> seen = brightness(scene, options, time);
+      for (size_t pixel = 0; pixel < seen.size(); ++pixel)
+        broken += std::abs(seen[pixel] - claimed[pixel]) > kContrast + kSlack;
+    }
+    // At an instant a ray may be nearer to an edge than rounding tells, or have been so at the first one.
+    EXPECT_LE(broken, 0.01 * kInstants * kWidth * kHeight) << name;
+  }
+
+ private:
+  static constexpr double kContrast = 0.1, kSlack = 2.5e-3;  // what straight lines between looks may be off by
+
+  static std::vector<double> brightness(const Scene& scene, const EventOptions& options, double time) {
+    ShotOptions shot = options.shot;
+    shot.frame = 0;
+    shot.fps = 1;
+    shot.shutter = std::array<double, 2>{time, time};
+    RenderParams params = options.render;
+    params.integrator = IntegratorKind::qmc;
+    params.sampler = SamplerKind::owen_sobol;
+    params.filter = FilterKind::box;
+    params.spp = options.rays;
+    const Image image = render(make_shot(scene, shot), params);
+    const auto &red = image.find("R")->values, &green = image.find("G")->values, &blue = image.find("B")->values;
+    std::vector<double> result;
+    for (size_t i = 0; i < red.size(); ++i)
+      result.push_back(std::log(0.2126 * static_cast<double>(red[i]) + 0.7152 * static_cast<double>(green[i]) +
+                                0.0722 * static_cast<double>(blue[i]) + kDark));
+    return result;
+  }
+
+  std::mt19937& random_;
+};
+
+/// Some triangles of their own colours that fly and turn before a wall, which is textured where there is a picture.
+SceneDescription flying_things(std::mt19937& random, bool textured) {
+  const auto uniform = [&](double low, double high) {
+    return static_cast<float>(std::uniform_real_distribution(low, high)(random));
+  };
+  SceneDescription description;
+  MeshDescription wall;
+  wall.triangles = {{0, 1, 2}, {0, 2, 3}};
+  wall.positions = {{{-4, -4, -5}, {4, -4, -5}, {4, 4, -5}, {-4, 4, -5}}};
+  wall.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  description.meshes = {wall};
+  description.materials = {painted(0.6f)};
+  if (textured) {
+    Pixels picture;
+    picture.width = picture.height = 8;
+    for (int i = 0; i < 64; ++i) {
+      const float grey = uniform(0.2, 1);
+      picture.values.insert(picture.values.end(), {grey, grey, grey, 1});
+    }
+    description.pictures["squares"] = picture;
+    description.materials[0].base_color_texture.picture = "squares";
+  }
+  for (int i = 0; i < 12; ++i) {
+    MeshDescription mesh;
+    mesh.triangles = {{0, 1, 2}};
+    mesh.times = {-1, 0.5, 2};
+    mesh.material = static_cast<uint32_t>(description.materials.size());
+    const Vec3f middle{uniform(-0.8, 0.8), uniform(-0.6, 0.6), uniform(-3, -2)};
+    std::array<Vec3f, 3> from_middle;
+    for (Vec3f& corner : from_middle) corner = {uniform(-0.7, 0.7), uniform(-0.7, 0.7), uniform(-0.3, 0.3)};
+    for (size_t k = 0; k < mesh.times.size(); ++k) {
+      const Vec3f shift{uniform(-1.2, 1.2), uniform(-1.2, 1.2), uniform(-0.2, 0.2)};
+      std::vector<Vec3f> corners;
+      for (const Vec3f& corner : from_middle) corners.push_back(middle + shift + corner);
+      mesh.positions.push_back(corners);
+    }
+    description.meshes.push_back(mesh);
+    description.materials.push_back(painted(uniform(0.05, 1)));
+  }
+  description.cameras = {camera()};
+  description.background = {0.1f, 0.1f, 0.1f};
+  return description;
+}
+
+TEST(EventOracles, OfFiveScenesClaimTheBrightnessThatDiscreteRaysSee) {
+  std::mt19937 random(test::seed());
+  const auto uniform = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  EventClaims claims(random);
+  const SceneDescription flat = flying_things(random, false);
+  claims.expect("flat", *make_scene(flat), ShadingKind::flat);
+  claims.expect("normals", *make_scene(flying_things(random, false)), ShadingKind::normal);
+  SceneDescription travelling = flying_things(random, true);
+  travelling.cameras[0].keys.clear();
+  for (const double time : {-1.0, 2.0})
+    travelling.cameras[0].keys.push_back(
+        {time, {uniform(-0.5, 0.5), uniform(-0.5, 0.5), 0}, {uniform(-0.3, 0.3), uniform(-0.3, 0.3), -3}, {0, 1, 0}});
+  claims.expect("a texture, from a camera that travels", *make_scene(travelling), ShadingKind::flat);
+  // Shadows on a wall that rests and on what flies, of lights that bring no noise.
+  SceneDescription lit = flying_things(random, true);
+  lit.lights = {
+      DirectionalLight{{static_cast<float>(uniform(-0.5, 0.5)), static_cast<float>(uniform(-0.5, 0.5)), -1}, {2, 2, 2}},
+      PointLight{{static_cast<float>(uniform(-1, 1)), 1, 0}, {4, 4, 4}}};
+  claims.expect("lights", *make_scene(lit), ShadingKind::whitted);
+  SceneDescription mirror = lit;
+  mirror.materials[0].metallic = 1;
+  mirror.materials[0].roughness = 0;
+  mirror.lights.pop_back();
+  claims.expect("a mirror", *make_scene(mirror), ShadingKind::whitted);
+}
+
+/// What rests is lit along ways that rest: each is asked once when anything is in between, in place of looks.
+TEST(EventOracles, OfShadowsOnWhatRestsAreThoseThatLooksFind) {
+  std::mt19937 random(test::seed());
+  SceneDescription description = flying_things(random, true);
+  description.lights = {DirectionalLight{{0.3f, -0.2f, -1}, {1, 1, 1}}, PointLight{{-1, 1, 0}, {2, 2, 2}},
+                        ConstantLight{{0.3f, 0.3f, 0.3f}}};
+  MeshDescription lamp;  // out of sight
+  lamp.triangles = {{0, 1, 2}};
+  lamp.positions = {{{3, 2, -1}, {4, 2, -1}, {3, 3, -1}}};
+  lamp.material = static_cast<uint32_t>(description.materials.size());
+  description.meshes.push_back(lamp);
+  description.materials.push_back(painted(0));
+  description.materials.back().emission = {20, 20, 20};
+  const auto scene = make_scene(description);
+  EventOptions options = flat_options(4);
+  options.render.shading = ShadingKind::whitted;
+  options.render.seed = random();
+  options.sensor.on = options.sensor.off = 0.1;
+  options.looks = 256;  // shadows that pass in less are missed
+  EventStats exact, sampled;
+  const std::vector<Event> found = record(*scene, options, &exact);
+  options.render.shadows = Shadows::sampled;
+  const std::vector<Event> looked_for = record(*scene, options, &sampled);
+  const EventDifference difference = compare_events(looked_for, found, 1000000);
+  EXPECT_GT(difference.reference, 100u);
+  EXPECT_LT(static_cast<double>(difference.missing + difference.extra),
+            0.05 * static_cast<double>(difference.reference));
+  EXPECT_LT(difference.median, 2000) << "ns";
+  EXPECT_LT(exact.shading_samples, sampled.shading_samples * 3 / 4);
 }
 
 /// Edges within it are none, though a hundred triangles pass each ray.

@@ -15,22 +15,11 @@
 
 namespace kairos {
 
-class Collector : public EventSink {
- public:
-  void add(std::span<const Event> more) override { events.insert(events.end(), more.begin(), more.end()); }
-  void add_labelled(std::span<const Event> more, std::span<const EventLabel> of_them) override {
-    add(more);
-    labels.insert(labels.end(), of_them.begin(), of_them.end());
-  }
-  std::vector<Event> events;
-  std::vector<EventLabel> labels;
-
-  std::map<std::pair<int, int>, std::vector<Event>> by_pixel() const {
-    std::map<std::pair<int, int>, std::vector<Event>> pixels;
-    for (const Event& event : events) pixels[{event.x, event.y}].push_back(event);
-    return pixels;
-  }
-};
+inline std::map<std::pair<int, int>, std::vector<Event>> by_pixel(const std::vector<Event>& events) {
+  std::map<std::pair<int, int>, std::vector<Event>> pixels;
+  for (const Event& event : events) pixels[{event.x, event.y}].push_back(event);
+  return pixels;
+}
 
 inline constexpr int kWidth = 12, kHeight = 9;
 inline constexpr double kDark = 1.0 / 255;
@@ -62,7 +51,7 @@ inline EventOptions flat_options(int rays) {
 }
 
 inline std::vector<Event> record(const Scene& scene, const EventOptions& options, EventStats* stats = nullptr) {
-  Collector collector;
+  EventList collector;
   const EventStats got = record_events(scene, options, collector);
   EXPECT_TRUE(std::is_sorted(collector.events.begin(), collector.events.end()));
   EXPECT_EQ(got.on + got.off, collector.events.size());
@@ -73,9 +62,9 @@ inline std::vector<Event> record(const Scene& scene, const EventOptions& options
 /// How much farther than a threshold the brightness that events claim is from the true one: [pixel][instant], at random
 /// instants. light(x, y, time): the true light.
 template <class Light>
-std::vector<std::vector<double>> beyond_threshold(const Collector& collector, const EventOptions& options, int instants,
+std::vector<std::vector<double>> beyond_threshold(const EventList& collector, const EventOptions& options, int instants,
                                                   std::mt19937& random, const Light& light) {
-  auto pixels = collector.by_pixel();
+  auto pixels = by_pixel(collector.events);
   const double on = options.sensor.on, off = options.sensor.off;
   std::vector<std::vector<double>> all;
   for (int y = 0; y < kHeight; ++y)

@@ -144,6 +144,26 @@ class SameNumbers(unittest.TestCase):
         for name in "txyp":
             np.testing.assert_array_equal(recorded.events[name], written[name])
 
+    def test_labels_of_events(self):
+        command("events", DEMO, "-o", self.path("folder"), "--layout", "rpg", "--frame-rate", 50, "--frame-samples", 1, "-o", self.path("b.npz"), "--labels",
+                "--from", 1, "--to", 1.02, "--size", "48x27", "--rays", 1, "--shading", "flat", "--time-unit", "ns", "--quiet")
+        recorded = kairos.record_events(kairos.load(DEMO), time=(1, 1.02), size=(48, 27), rays=1, shading="flat", labels=True, folder=self.path("a"),
+                                        layout="rpg", frame_rate=50, frame_samples=1)
+        written = np.load(self.path("b.npz"))
+        self.assertGreater(recorded.labels["surface"].max(), 1)
+        self.assertEqual(len(recorded.meshes), 582)
+        for name in recorded.labels.dtype.names:
+            np.testing.assert_array_equal(recorded.labels[name], written[name])
+        for name in ("a.npz", "b.npy", "c.h5", "d.hdf5"):
+            recorded.write(self.path("labelled_" + name))
+            back = kairos.read_events(self.path("labelled_" + name))
+            np.testing.assert_array_equal(back.labels, recorded.labels, name)
+        recorded.write(self.path("e.raw"))
+        self.assertIsNone(kairos.read_events(self.path("e.raw")).labels)
+        for name in ("events.txt", "groundtruth.txt", "images.txt"):
+            with open(os.path.join(self.path("a"), name)) as one, open(os.path.join(self.path("folder"), name)) as other:
+                self.assertEqual(one.read(), other.read(), name)
+
     def test_files_of_events(self):
         recorded = kairos.record_events(kairos.load(DEMO), time=(1, 1.02), size=(48, 27), rays=1, sensor="v2e")
         for name, tick in (("a.npz", 1000), ("b.raw", 1000), ("c.h5", 1000), ("d.txt", 1)):
