@@ -26,20 +26,15 @@ def run(*command):
     return subprocess.run([str(word) for word in command], check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
-def made(folder, name, seconds, scale):
+def made(folder, name, seconds, *options):
     """A scene of tools/make_scenes.py whose shutter, and all that moves in it, takes `seconds`."""
     if not (folder / name).exists():
-        run(sys.executable, ROOT / "tools/make_scenes.py", name, "-o", folder, "--scale", scale)
+        run(sys.executable, ROOT / "tools/make_scenes.py", name, "-o", folder, *options)
     scene = json.loads((folder / name / "scene.json").read_text())
-
-    def squeeze(part):
-        for key, value in part.items() if isinstance(part, dict) else enumerate(part) if isinstance(part, list) else ():
-            if key == "time":
-                part[key] = value * seconds
-            else:
-                squeeze(value)
-
-    squeeze(scene)
+    for mesh in scene["meshes"]:
+        count = len(mesh["keys"])
+        if count > 1:
+            mesh["times"] = [time * seconds for time in mesh.get("times", [k / (count - 1) for k in range(count)])]
     scene["shutter"] = [0, seconds]
     path = folder / name / f"in_{seconds}.json"
     path.write_text(json.dumps(scene))
@@ -53,7 +48,7 @@ def moving(x, y, seconds):
 
 def still(folder, seconds):
     """A hall at rest, and one small thing that moves in it."""
-    path = made(folder, "still", seconds, 0.2)
+    path = made(folder, "still", seconds)
     scene = json.loads(path.read_text())
     eye, target = (scene["camera"]["keys"][0][name] for name in ("eye", "target"))
     way = [b - a for a, b in zip(eye, target)]
@@ -122,14 +117,14 @@ def compare(scene, shading, start, end, most_rays):
 with tempfile.TemporaryDirectory() as name:
     scene_folder = pathlib.Path(name)
     scenes = {
-        "demo": ("a tenth of a second of the demo scene", lambda: demo, "flat", 0.5, 0.6, 256),
-        "fast": ("straws that fly, in 0.02 s", lambda: made(scene_folder, "blades", 0.02, 0.1), "flat", 0, 0.02, 256),
-        "slow": ("the same in a second", lambda: made(scene_folder, "blades", 1, 0.1), "flat", 0, 1, 256),
-        "shadow": ("the shadow of a fan on a floor at rest, in 0.1 s, lit", lambda: made(scene_folder, "shade", 0.1, 1), "whitted", 0, 0.1, 64),
-        "foliage": ("trees in a storm, in 0.1 s", lambda: made(scene_folder, "foliage", 0.1, 0.1), "flat", 0, 0.1, 64),
-        "lit": ("the same, lit", lambda: made(scene_folder, "foliage", 0.1, 0.1), "whitted", 0, 0.1, 16),
+        "demo": ("a tenth of a second of the demo scene", lambda: demo, "flat", 0.5, 0.6, 64),
+        "fast": ("pebbles that fly 17 pixels in 0.02 s", lambda: made(scene_folder, "swarm", 0.02, "--motion", 200), "flat", 0, 0.02, 64),
+        "slow": ("the same in a second", lambda: made(scene_folder, "swarm", 1, "--motion", 200), "flat", 0, 1, 64),
+        "shadow": ("the shadow of a fan on a floor at rest, in 0.1 s, lit", lambda: made(scene_folder, "shade", 0.1), "whitted", 0, 0.1, 64),
+        "foliage": ("trees in a storm, in 0.1 s", lambda: made(scene_folder, "foliage", 0.1, "--scale", 0.1), "flat", 0, 0.1, 64),
+        "lit": ("the same, lit", lambda: made(scene_folder, "foliage", 0.1, "--scale", 0.1), "whitted", 0, 0.1, 16),
         "still": ("a hall at rest, in which one small thing moves for half a second, lit", lambda: still(scene_folder, 0.5), "whitted", 0, 0.5, 64),
-        "texture": ("noise of half a pixel that goes 20 pixels in 0.1 s", lambda: texture(scene_folder, 0.1), "flat", 0, 0.1, 256),
+        "texture": ("noise of half a pixel that goes 20 pixels in 0.1 s", lambda: texture(scene_folder, 0.1), "flat", 0, 0.1, 64),
     }
     for chosen in sys.argv[3:] or scenes:
         title, make, shading, start, end, most_rays = scenes[chosen]
