@@ -82,7 +82,7 @@ def read_exr(path):
 
 class Renderer:
     def __init__(self, args):
-        self.args, self.scan = args, args.scan
+        self.args = args
 
     def scene(self, name):
         folder = pathlib.Path(self.args.folder)
@@ -208,7 +208,6 @@ def main():
     parser.add_argument("--scan", action="store_true")
     parser.add_argument("--shadow-prices", action="store_true")
     args = parser.parse_args()
-    args.scenes = args.scenes.split(",") if isinstance(args.scenes, str) else args.scenes
     os.makedirs(args.folder, exist_ok=True)
     renderer = Renderer(args)
     if args.scan:
