@@ -20,10 +20,13 @@ inline constexpr float kLeastVelocityShare = 0.25f;
 /// Triangles of a block are tested together, and what each of them costs beyond that is a small share of it, measured
 /// on the scenes of docs/scenes.md. So ranges are split where blocks will be full, if that costs little else.
 inline constexpr float kCostPerTriangle = 0.25f;
+/// The same where triangles have several key spans: in most of them a triangle costs next to nothing (around-inl.h),
+/// and a block that is not full takes memory at every key.
+inline constexpr float kCostPerTriangleOfSeveralSpans = 0.06f;
 
 /// What the triangles below a node cost once it is met, in block tests.
-inline float block_tests(uint32_t count) {
-  return static_cast<float>((count + kWidth - 1) / kWidth) + kCostPerTriangle * static_cast<float>(count);
+inline float block_tests(uint32_t count, float cost_per_triangle) {
+  return static_cast<float>((count + kWidth - 1) / kWidth) + cost_per_triangle * static_cast<float>(count);
 }
 
 /// Smallest and negated largest sort values of a range. Values that are no number, from sums that overflow, leave it as
@@ -127,7 +130,7 @@ struct Bins {
   }
 
   /// The cheapest way to split `total` primitives; none if there is none of finite cost.
-  Split cheapest(uint32_t axes, uint32_t total) const {
+  Split cheapest(uint32_t axes, uint32_t total, float cost_per_triangle) const {
     Split best;
     float best_cost = std::numeric_limits<float>::infinity();
     for (size_t axis = 0; axis < kAxes; ++axis) {
@@ -140,7 +143,7 @@ struct Bins {
         if (count[axis][b] != 0) {
           side.include(box[axis][b]);
           side_count += count[axis][b];
-          cost = side.cost() * block_tests(side_count);
+          cost = side.cost() * block_tests(side_count, cost_per_triangle);
         }
         right_cost[b] = cost;
       }
@@ -151,7 +154,7 @@ struct Bins {
         side.include(box[axis][b - 1]);
         side_count += count[axis][b - 1];
         if (side_count == total) break;
-        cost = side.cost() * block_tests(side_count) + right_cost[b];
+        cost = side.cost() * block_tests(side_count, cost_per_triangle) + right_cost[b];
         if (cost < best_cost) {
           best_cost = cost;
           best = {axis, b, side_count};

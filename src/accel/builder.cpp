@@ -250,7 +250,8 @@ class Builder {
   /// that it does not matter how the range was cut into pieces.
   void partition(Range& range, Range& right, const Pieces& pieces, const Binning& binning, const Bins* bins,
                  const Bins& all) const {
-    const Split where = all.cheapest(binning.axes, range.count());
+    const Split where = all.cheapest(binning.axes, range.count(),
+                                     triangles_ == nullptr ? kCostPerTriangle : kCostPerTriangleOfSeveralSpans);
     if (where.axis == kAxes) return halve(range, right);
     struct Piece {
       std::array<uint32_t, 2> next;  // where left and right ones go

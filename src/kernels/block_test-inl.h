@@ -13,6 +13,7 @@
 #include <hwy/highway.h>
 
 #include "accel/layout.h"
+#include "kernels/around-inl.h"
 #include "kernels/moving_triangle.h"
 #include "kernels/node_test-inl.h"
 #include "kernels/ray_frame.h"
@@ -34,11 +35,29 @@ HWY_INLINE hn::Vec<D> LoadAs(D d, const float* from) {
   }
 }
 
+/// A block's vertices at a key in the frame of a ray, kept for the key spans on both sides of it, and the rectangles
+/// around them.
+template <class T>
+struct alignas(64) FramedKey {
+  T u[3][kWidth], v[3][kWidth], dist[3][kWidth];  ///< [vertex][triangle]
+  Around<T> around;
+};
+
 /// Vertices of one key in the frame of the ray.
 template <class D>
 struct FramedLanes {
   using V = hn::Vec<D>;
   V u[3], v[3], dist[3];
+
+  HWY_INLINE FramedLanes(D d, const RayFrame<hn::TFromD<D>>& frame, const BlockKey& key, size_t lane)
+      : FramedLanes(d, frame, key.position, lane) {}
+  HWY_INLINE FramedLanes(D d, const RayFrame<hn::TFromD<D>>&, const FramedKey<hn::TFromD<D>>& key, size_t lane) {
+    for (size_t i = 0; i < 3; ++i) {
+      u[i] = hn::Load(d, key.u[i] + lane);
+      v[i] = hn::Load(d, key.v[i] + lane);
+      dist[i] = hn::Load(d, key.dist[i] + lane);
+    }
+  }
 
   HWY_INLINE FramedLanes(D d, const RayFrame<hn::TFromD<D>>& frame, const float (&position)[3][3][kWidth],
                          size_t lane) {
@@ -60,10 +79,25 @@ HWY_INLINE hn::Vec<D> Side(D, const FramedLanes<D>& a, size_t i, const FramedLan
   return hn::Sub(hn::Mul(a.v[i], b.u[j]), hn::Mul(a.u[i], b.v[j]));
 }
 
-/// The triangles `lanes` of a block between two keys. `nearest_hidden`: triangles with no vertex nearer than this are
-/// of no interest.
 template <class T>
-HWY_INLINE void TestBlock(const BlockKey& begin, const BlockKey& end, uint32_t lanes, const RayFrame<T>& frame,
+HWY_INLINE void FrameKey(const BlockKey& from, const RayFrame<T>& frame, FramedKey<T>& to) {
+  using D = hn::CappedTag<T, kWidth>;
+  const D d;
+  for (size_t lane = 0; lane < kWidth; lane += hn::Lanes(d)) {
+    const FramedLanes<D> key(d, frame, from.position, lane);
+    for (size_t i = 0; i < 3; ++i) {
+      hn::Store(key.u[i], d, to.u[i] + lane);
+      hn::Store(key.v[i], d, to.v[i] + lane);
+      hn::Store(key.dist[i], d, to.dist[i] + lane);
+    }
+    to.around.Set(d, lane, key.u, key.u, key.v, key.v);
+  }
+}
+
+/// The triangles `lanes` of a block between two keys, each a BlockKey or a FramedKey. `nearest_hidden`: triangles with
+/// no vertex nearer than this are of no interest.
+template <class T, class Key>
+HWY_INLINE void TestBlock(const Key& begin, const Key& end, uint32_t lanes, const RayFrame<T>& frame,
                           float nearest_hidden, BlockHits<T>& hits) {
   using D = hn::CappedTag<T, kWidth>;
   const D d;
@@ -72,7 +106,7 @@ HWY_INLINE void TestBlock(const BlockKey& begin, const BlockKey& end, uint32_t l
   hits.hit = hits.front = hits.bent = hits.rare = hits.solved = 0;
   for (size_t lane = 0; lane < kWidth; lane += hn::Lanes(d)) {
     if (lanes >> lane == 0) break;
-    const FramedLanes<D> key0(d, frame, begin.position, lane), key1(d, frame, end.position, lane);
+    const FramedLanes<D> key0(d, frame, begin, lane), key1(d, frame, end, lane);
 
     V nearest = hn::Min(key0.dist[0], key1.dist[0]), farthest = hn::Max(key0.dist[0], key1.dist[0]);
     for (size_t i = 1; i < 3; ++i) {

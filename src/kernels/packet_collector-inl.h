@@ -76,9 +76,19 @@ class PacketCollector {
       }
       UpdateLimits(entry);
       source.ForEachSpan(entry.node, entry.begin, entry.end,
-                         [&](const MovingBlock& block, const Span& span, uint32_t lanes) KAIROS_INLINE {
+                         [&](const MovingBlock& block, const Span& span, uint32_t lanes, bool follows) KAIROS_INLINE {
+                           if (block.spans == 1) {
+                             PrepareTriangles(span, span.key0, span.key1, lanes, packet_, entry.begin, entry.end,
+                                              visible_until, triangles_);
+                           } else {
+                             lanes &= framed_.Enter(span, follows,
+                                                    [&](const BlockKey& key, PacketKey& framed)
+                                                        HWY_ATTR { FrameKey(key, packet_, framed); });
+                             if (lanes == 0) return;
+                             PrepareTriangles(span, framed_.begin(), framed_.end(), lanes, packet_, entry.begin,
+                                              entry.end, visible_until, triangles_);
+                           }
                            counters.triangles += static_cast<uint64_t>(std::popcount(lanes));
-                           PrepareTriangles(span, lanes, packet_, entry.begin, entry.end, visible_until, triangles_);
                            if (packet_.rays_per_register == kPacketLanes)
                              TestCandidates<kPacketLanes>(block, span);
                            else
@@ -213,6 +223,7 @@ class PacketCollector {
   bool clips_;
   TimeBins bins_;
   alignas(64) float visible_until_[kPacketLanes];  // [lane]
+  FramedSpan<PacketKey> framed_;
   PacketTriangles triangles_;
   PacketHits hits_{};  // lanes without a hit are computed with, too
   struct alignas(64) {

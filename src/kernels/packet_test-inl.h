@@ -15,6 +15,7 @@
 #include <hwy/highway.h>
 
 #include "accel/layout.h"
+#include "kernels/around-inl.h"
 #include "kernels/packet.h"
 #include "kernels/solve-inl.h"
 
@@ -38,17 +39,71 @@ struct alignas(64) PacketTriangles {
   uint32_t behind = 0;        ///< those with a vertex behind the origin
 };
 
-/// The triangles `lanes` of a block in a key span. `nearest_hidden`: triangles with no vertex nearer than this (in
-/// units of the rays' length) are of no interest, nor are those that no ray meets in [begin, end], which is shutter
-/// time.
-HWY_INLINE void PrepareTriangles(const Span& span, uint32_t lanes, const RayPacket& packet, float begin, float end,
-                                 float nearest_hidden, PacketTriangles& out) {
+/// As FramedKey, in the frame of a packet's middle.
+struct alignas(64) PacketKey {
+  float u[3][kWidth], v[3][kWidth], depth[3][kWidth];  ///< [vertex][triangle]
+  Around<float> around;
+};
+
+/// Vertices of one key in the frame of a packet's middle.
+template <class D>
+struct PacketLanes {
+  using V = hn::Vec<D>;
+  V u[3], v[3], depth[3];
+
+  HWY_INLINE PacketLanes(D d, const RayPacket& packet, const float (&position)[3][3][kWidth], size_t lane) {
+    const V ou = hn::Set(d, packet.origin[packet.ku]), ov = hn::Set(d, packet.origin[packet.kv]);
+    const V ow = hn::Set(d, packet.origin[packet.kw]);
+    const V su = hn::Set(d, packet.shear_u), sv = hn::Set(d, packet.shear_v), ahead = hn::Set(d, packet.ahead);
+    for (size_t i = 0; i < 3; ++i) {
+      const V w = hn::Sub(hn::Load(d, position[i][packet.kw] + lane), ow);
+      u[i] = hn::Sub(hn::Sub(hn::Load(d, position[i][packet.ku] + lane), ou), hn::Mul(su, w));
+      v[i] = hn::Sub(hn::Sub(hn::Load(d, position[i][packet.kv] + lane), ov), hn::Mul(sv, w));
+      depth[i] = hn::Mul(w, ahead);
+    }
+  }
+  HWY_INLINE PacketLanes(D d, const RayPacket& packet, const BlockKey& key, size_t lane)
+      : PacketLanes(d, packet, key.position, lane) {}
+  HWY_INLINE PacketLanes(D d, const RayPacket&, const PacketKey& key, size_t lane) {
+    for (size_t i = 0; i < 3; ++i) {
+      u[i] = hn::Load(d, key.u[i] + lane);
+      v[i] = hn::Load(d, key.v[i] + lane);
+      depth[i] = hn::Load(d, key.depth[i] + lane);
+    }
+  }
+};
+
+HWY_INLINE void FrameKey(const BlockKey& from, const RayPacket& packet, PacketKey& to) {
+  const hn::CappedTag<float, kWidth> d;
+  using V = hn::Vec<decltype(d)>;
+  const V wide_u = hn::Set(d, packet.widest_u), wide_v = hn::Set(d, packet.widest_v);
+  for (size_t lane = 0; lane < kWidth; lane += hn::Lanes(d)) {
+    const PacketLanes<decltype(d)> key(d, packet, from, lane);
+    V least_u[3], most_u[3], least_v[3], most_v[3];  // over all rays: they lean by so much per unit of depth
+    for (size_t i = 0; i < 3; ++i) {
+      hn::Store(key.u[i], d, to.u[i] + lane);
+      hn::Store(key.v[i], d, to.v[i] + lane);
+      hn::Store(key.depth[i], d, to.depth[i] + lane);
+      const V size = hn::Abs(key.depth[i]), lean_u = hn::Mul(wide_u, size), lean_v = hn::Mul(wide_v, size);
+      least_u[i] = hn::Sub(key.u[i], lean_u);
+      most_u[i] = hn::Add(key.u[i], lean_u);
+      least_v[i] = hn::Sub(key.v[i], lean_v);
+      most_v[i] = hn::Add(key.v[i], lean_v);
+    }
+    to.around.Set(d, lane, least_u, most_u, least_v, most_v);
+  }
+}
+
+/// The triangles `lanes` of a block in a key span between two keys, each a BlockKey or a PacketKey. `nearest_hidden`:
+/// triangles with no vertex nearer than this (in units of the rays' length) are of no interest, nor are those that no
+/// ray meets in [begin, end], which is shutter time.
+template <class Key>
+HWY_INLINE void PrepareTriangles(const Span& span, const Key& at_begin, const Key& at_end, uint32_t lanes,
+                                 const RayPacket& packet, float begin, float end, float nearest_hidden,
+                                 PacketTriangles& out) {
   const hn::CappedTag<float, kWidth> d;
   using V = hn::Vec<decltype(d)>;
   const V zero = hn::Zero(d), half = hn::Set(d, 0.5f);
-  const V ou = hn::Set(d, packet.origin[packet.ku]), ov = hn::Set(d, packet.origin[packet.kv]);
-  const V ow = hn::Set(d, packet.origin[packet.kw]);
-  const V su = hn::Set(d, packet.shear_u), sv = hn::Set(d, packet.shear_v), ahead = hn::Set(d, packet.ahead);
   const V wide_u = hn::Set(d, packet.widest_u), wide_v = hn::Set(d, packet.widest_v);
   const V error = hn::Set(d, kTermError);
   const V most_depth = hn::Set(d, nearest_hidden / packet.least_dist_per_depth);
@@ -69,18 +124,13 @@ HWY_INLINE void PrepareTriangles(const Span& span, uint32_t lanes, const RayPack
         {hn::Mul(rest_first, rest_last), hn::Add(hn::Mul(first, rest_last), hn::Mul(last, rest_first)),
          hn::Mul(first, last)},
         {hn::Mul(rest_last, rest_last), hn::Mul(hn::Mul(two, last), rest_last), hn::Mul(last, last)}};
-    V u[2][3], v[2][3], depth[2][3];
-    V nearest{}, farthest{};
-    for (size_t key = 0; key < 2; ++key)
+    const PacketLanes<decltype(d)> key[2] = {{d, packet, at_begin, lane}, {d, packet, at_end, lane}};
+    V nearest = key[0].depth[0], farthest = nearest;
+    for (size_t k = 0; k < 2; ++k)
       for (size_t i = 0; i < 3; ++i) {
-        const auto& position = (key == 0 ? span.key0 : span.key1).position[i];
-        const V w = hn::Sub(hn::Load(d, position[packet.kw] + lane), ow);
-        u[key][i] = hn::Sub(hn::Sub(hn::Load(d, position[packet.ku] + lane), ou), hn::Mul(su, w));
-        v[key][i] = hn::Sub(hn::Sub(hn::Load(d, position[packet.kv] + lane), ov), hn::Mul(sv, w));
-        depth[key][i] = hn::Mul(w, ahead);
-        hn::Store(depth[key][i], d, out.depth[key][i] + lane);
-        nearest = key == 0 && i == 0 ? depth[0][0] : hn::Min(nearest, depth[key][i]);
-        farthest = key == 0 && i == 0 ? depth[0][0] : hn::Max(farthest, depth[key][i]);
+        hn::Store(key[k].depth[i], d, out.depth[k][i] + lane);
+        nearest = hn::Min(nearest, key[k].depth[i]);
+        farthest = hn::Max(farthest, key[k].depth[i]);
       }
     hn::Store(nearest, d, out.nearest + lane);
     auto alive = hn::And(LanesOf(d, lanes >> lane), hn::Gt(farthest, zero));
@@ -91,15 +141,17 @@ HWY_INLINE void PrepareTriangles(const Span& span, uint32_t lanes, const RayPack
       const size_t i = (edge + 1) % 3, j = (edge + 2) % 3;
       V at[3], along_u[3], along_v[3];
       for (size_t c = 0; c < 3; ++c) {
-        const auto cross = [&](const V(&a)[2][3], const V(&b)[2][3]) HWY_ATTR {
+        const auto cross = [&](auto a, auto b) HWY_ATTR {
           const auto at_keys = [&](size_t key_i, size_t key_j) HWY_ATTR {
-            return hn::Sub(hn::Mul(a[key_i][i], b[key_j][j]), hn::Mul(b[key_i][i], a[key_j][j]));
+            return hn::Sub(hn::Mul((key[key_i].*a)[i], (key[key_j].*b)[j]),
+                           hn::Mul((key[key_i].*b)[i], (key[key_j].*a)[j]));
           };
           return c == 1 ? hn::Mul(half, hn::Add(at_keys(0, 1), at_keys(1, 0))) : at_keys(c / 2, c / 2);
         };
-        at[c] = cross(v, u);
-        along_u[c] = cross(v, depth);
-        along_v[c] = cross(depth, u);
+        using L = PacketLanes<decltype(d)>;
+        at[c] = cross(&L::v, &L::u);
+        along_u[c] = cross(&L::v, &L::depth);
+        along_v[c] = cross(&L::depth, &L::u);
         hn::Store(at[c], d, out.term[edge][c].at + lane);
         hn::Store(along_u[c], d, out.term[edge][c].along_u + lane);
         hn::Store(along_v[c], d, out.term[edge][c].along_v + lane);

@@ -134,9 +134,17 @@ class Collector {
       }
       BlockHits<T> hits;
       source.ForEachSpan(entry.node, entry.begin, entry.end,
-                         [&](const MovingBlock& block, const Span& span, uint32_t lanes) KAIROS_INLINE {
+                         [&](const MovingBlock& block, const Span& span, uint32_t lanes, bool follows) KAIROS_INLINE {
+                           if (block.spans == 1) {
+                             TestBlock(span.key0, span.key1, lanes, frame_, visible_until, hits);
+                           } else {
+                             lanes &= framed_.Enter(span, follows,
+                                                    [&](const BlockKey& key, FramedKey<T>& framed)
+                                                        HWY_ATTR { FrameKey(key, frame_, framed); });
+                             if (lanes == 0) return;
+                             TestBlock(framed_.begin(), framed_.end(), lanes, frame_, visible_until, hits);
+                           }
                            state_.counters.triangles += static_cast<uint64_t>(std::popcount(lanes));
-                           TestBlock(span.key0, span.key1, lanes, frame_, visible_until, hits);
                            state_.counters.root_solves += 3 * static_cast<uint64_t>(std::popcount(hits.solved));
                            AddHits(block, span, hits);
                          });
@@ -182,6 +190,7 @@ class Collector {
   RayFrame<T> frame_;
   RaySlabs slabs_;
   RayState& state_;
+  FramedSpan<FramedKey<T>> framed_;
   Segment nearest_;  // of what stands still; until one is found, none farther than it is of interest
   bool found_ = false;
 };
