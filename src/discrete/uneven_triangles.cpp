@@ -52,10 +52,30 @@ UnevenTriangles::UnevenTriangles(const Mesh& mesh, uint32_t index, const CutOuts
   // slower.
   const size_t wanted = std::max(key_times_.size(), static_cast<size_t>(std::max(0, least_steps)));
   steps_ = static_cast<uint32_t>(std::min(wanted, kMaxTimeSteps));
+  pair_triangles();
+}
+
+/// By the boxes when the shutter opens: two are one where that has no more surface than both have.
+void UnevenTriangles::pair_triangles() {
+  const auto surface = [](const Box& box) {
+    const Vec3d size = box.high - box.low;
+    return size.x * size.y + size.y * size.z + size.z * size.x;
+  };
+  const auto count = static_cast<uint32_t>(triangles_.size());
+  const auto box_of = [&](uint32_t triangle) { return box_at(triangles_[triangle], 0); };
+  first_of_.reserve(count / 2 + 1);
+  for (uint32_t t = 0; t < count;) {
+    first_of_.push_back(t++);
+    if (t == count) break;
+    const Box a = box_of(t - 1), b = box_of(t);
+    if (surface({least(a.low, b.low), most(a.high, b.high)}) <= surface(a) + surface(b)) ++t;
+  }
+  first_of_.push_back(count);
+  first_of_.shrink_to_fit();
 }
 
 void UnevenTriangles::fill(RTCGeometry geometry) const {
-  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(triangles_.size()));
+  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(first_of_.size() - 1));
   rtcSetGeometryTimeStepCount(geometry, steps_);
   rtcSetGeometryUserData(geometry, const_cast<UnevenTriangles*>(this));  // handed back to us as const again
   rtcSetGeometryBoundsFunction(geometry, bounds_function, nullptr);
@@ -64,26 +84,25 @@ void UnevenTriangles::fill(RTCGeometry geometry) const {
 }
 
 size_t UnevenTriangles::memory_bytes() const {
-  return sizeof(*this) + triangles_.capacity() * sizeof(Triangle) + key_times_.capacity() * sizeof(float) +
-         positions_.capacity() * sizeof(Vec3f);
+  return sizeof(*this) + triangles_.capacity() * sizeof(Triangle) + first_of_.capacity() * sizeof(uint32_t) +
+         key_times_.capacity() * sizeof(float) + positions_.capacity() * sizeof(Vec3f);
 }
 
-/// weight: of the key that follows.
-UnevenTriangles::Corners UnevenTriangles::corners_at(const Triangle& triangle, size_t key, double weight) const {
+UnevenTriangles::Corners UnevenTriangles::corners_at(const Triangle& triangle, Place place) const {
   Corners corners;
   for (size_t i = 0; i < 3; ++i) {
-    const Vec3f* here = &positions_[triangle[i] * key_times_.size() + key];
-    corners[i] = weight > 0 ? lerp(to_double(here[0]), to_double(here[1]), weight) : to_double(here[0]);
+    const Vec3f* here = &positions_[triangle[i] * key_times_.size() + place.key];
+    corners[i] = place.weight > 0 ? lerp(to_double(here[0]), to_double(here[1]), place.weight) : to_double(here[0]);
   }
   return corners;
 }
 
-UnevenTriangles::Corners UnevenTriangles::corners_at(const Triangle& triangle, float time) const {
+UnevenTriangles::Place UnevenTriangles::place_of(float time) const {
   const auto begin = key_times_.begin(), end = key_times_.end();
   // When the shutter closes, the mesh is where it was until then.
   const auto next = time < 1 ? std::upper_bound(begin, end, time) : std::lower_bound(begin, end, time);
   const double first = *(next - 1), last = *next;
-  return corners_at(triangle, static_cast<size_t>(next - begin) - 1, (time - first) / (last - first));
+  return {static_cast<size_t>(next - begin) - 1, (time - first) / (last - first)};
 }
 
 UnevenTriangles::Box UnevenTriangles::box_at(const Triangle& triangle, double time) const {
@@ -97,10 +116,10 @@ UnevenTriangles::Box UnevenTriangles::box_at(const Triangle& triangle, double ti
   };
   const auto begin = key_times_.begin(), end = key_times_.end();
   const auto first = std::lower_bound(begin, end, time), behind = std::upper_bound(first, end, time);
-  for (auto key = first; key != behind; ++key) add(corners_at(triangle, static_cast<size_t>(key - begin), 0));
+  for (auto key = first; key != behind; ++key) add(corners_at(triangle, Place{static_cast<size_t>(key - begin), 0}));
   if (first == behind) {
     const double before = *(first - 1), after = *first;
-    add(corners_at(triangle, static_cast<size_t>(first - begin) - 1, (time - before) / (after - before)));
+    add(corners_at(triangle, Place{static_cast<size_t>(first - begin) - 1, (time - before) / (after - before)}));
   }
   return box;
 }
@@ -136,19 +155,29 @@ RTCBounds UnevenTriangles::bounds(const Triangle& triangle, uint32_t step) const
 
 void UnevenTriangles::bounds_function(const RTCBoundsFunctionArguments* args) {
   const auto& self = *static_cast<const UnevenTriangles*>(args->geometryUserPtr);
-  *args->bounds_o = self.bounds(self.triangles_[args->primID], args->timeStep);
+  const uint32_t first = self.first_of(args->primID), last = self.first_of(args->primID + 1);
+  RTCBounds& all = *args->bounds_o;
+  all = self.bounds(self.triangles_[first], args->timeStep);
+  for (uint32_t t = first + 1; t < last; ++t) {
+    const RTCBounds one = self.bounds(self.triangles_[t], args->timeStep);
+    all.lower_x = std::min(all.lower_x, one.lower_x);
+    all.lower_y = std::min(all.lower_y, one.lower_y);
+    all.lower_z = std::min(all.lower_z, one.lower_z);
+    all.upper_x = std::max(all.upper_x, one.upper_x);
+    all.upper_y = std::max(all.upper_y, one.upper_y);
+    all.upper_z = std::max(all.upper_z, one.upper_z);
+  }
 }
 
-bool UnevenTriangles::meets(uint32_t triangle, const DiscreteContext& context, unsigned ray_number, float nearest,
-                            Hit& hit) const {
+bool UnevenTriangles::meets(uint32_t triangle, const DiscreteContext& context, unsigned ray_number, Place place,
+                            float nearest, Hit& hit) const {
   const Ray& ray = context.rays[ray_number];
-  const float time = context.times[ray_number];
-  if (!intersect(corners_at(triangles_[triangle], time), ray, hit)) return false;
+  if (!intersect(corners_at(triangles_[triangle], place), ray, hit)) return false;
   const auto dist = static_cast<float>(hit.dist);
   if (!(dist > 0 && dist < nearest)) return false;
   const bool front = dot(hit.normal, to_double(ray.direction)) < 0;
   if (one_sided_ && front != (context.facing == Facing::origin)) return false;
-  return cut_outs_ == nullptr || cut_outs_->solid(ray, index_, triangle, time);
+  return cut_outs_ == nullptr || cut_outs_->solid(ray, index_, triangle, context.times[ray_number]);
 }
 
 void UnevenTriangles::intersect_function(const RTCIntersectFunctionNArguments* args) {
@@ -158,17 +187,21 @@ void UnevenTriangles::intersect_function(const RTCIntersectFunctionNArguments* a
   RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, args->N);
   for (unsigned i = 0; i < args->N; ++i) {
     if (args->valid[i] != -1) continue;
-    Hit hit;
-    if (!self.meets(args->primID, context, RTCRayN_id(rays, args->N, i), RTCRayN_tfar(rays, args->N, i), hit)) continue;
-    const Vec3f normal = to_float(normalize(hit.normal));
-    RTCRayN_tfar(rays, args->N, i) = static_cast<float>(hit.dist);
-    RTCHitN_u(hits, args->N, i) = static_cast<float>(hit.u);
-    RTCHitN_v(hits, args->N, i) = static_cast<float>(hit.v);
-    RTCHitN_Ng_x(hits, args->N, i) = normal.x;
-    RTCHitN_Ng_y(hits, args->N, i) = normal.y;
-    RTCHitN_Ng_z(hits, args->N, i) = normal.z;
-    RTCHitN_primID(hits, args->N, i) = args->primID;
-    RTCHitN_geomID(hits, args->N, i) = args->geomID;
+    const unsigned ray = RTCRayN_id(rays, args->N, i);
+    const Place place = self.place_of(context.times[ray]);
+    for (uint32_t t = self.first_of(args->primID); t < self.first_of(args->primID + 1); ++t) {
+      Hit hit;
+      if (!self.meets(t, context, ray, place, RTCRayN_tfar(rays, args->N, i), hit)) continue;
+      const Vec3f normal = to_float(normalize(hit.normal));
+      RTCRayN_tfar(rays, args->N, i) = static_cast<float>(hit.dist);
+      RTCHitN_u(hits, args->N, i) = static_cast<float>(hit.u);
+      RTCHitN_v(hits, args->N, i) = static_cast<float>(hit.v);
+      RTCHitN_Ng_x(hits, args->N, i) = normal.x;
+      RTCHitN_Ng_y(hits, args->N, i) = normal.y;
+      RTCHitN_Ng_z(hits, args->N, i) = normal.z;
+      RTCHitN_primID(hits, args->N, i) = t;
+      RTCHitN_geomID(hits, args->N, i) = args->geomID;
+    }
   }
 }
 
@@ -177,10 +210,15 @@ void UnevenTriangles::occluded_function(const RTCOccludedFunctionNArguments* arg
   const auto& context = *reinterpret_cast<const DiscreteContext*>(args->context);
   for (unsigned i = 0; i < args->N; ++i) {
     if (args->valid[i] != -1) continue;
+    const unsigned ray = RTCRayN_id(args->ray, args->N, i);
+    const Place place = self.place_of(context.times[ray]);
     float& nearest = RTCRayN_tfar(args->ray, args->N, i);
-    Hit hit;
-    if (self.meets(args->primID, context, RTCRayN_id(args->ray, args->N, i), nearest, hit))
+    for (uint32_t t = self.first_of(args->primID); t < self.first_of(args->primID + 1); ++t) {
+      Hit hit;
+      if (!self.meets(t, context, ray, place, nearest, hit)) continue;
       nearest = -std::numeric_limits<float>::infinity();  // as Embree asks for
+      break;
+    }
   }
 }
 

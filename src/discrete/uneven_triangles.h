@@ -25,6 +25,8 @@ struct DiscreteContext {
 /// One moving mesh as Embree's user geometry. Embree takes only evenly spaced time steps; their boxes are widened by
 /// what the motion between them strays from a straight line, and the triangle itself is interpolated at the ray's own
 /// time. All such meshes fit into one Embree scene, whatever their key times, so that a ray meets those that it passes.
+/// To Embree, two triangles that follow on each other in the mesh and lie together are one thing: that is half the
+/// tree.
 ///
 /// Not to be moved once Embree knows of it.
 class UnevenTriangles {
@@ -45,8 +47,16 @@ class UnevenTriangles {
   };
   using Corners = std::array<Vec3d, 3>;
 
-  Corners corners_at(const Triangle& triangle, size_t key, double weight) const;
-  Corners corners_at(const Triangle& triangle, float time) const;
+  /// The key at or before an instant, and the weight of the one that follows.
+  struct Place {
+    size_t key;
+    double weight;
+  };
+  Place place_of(float time) const;
+  Corners corners_at(const Triangle& triangle, Place place) const;
+  void pair_triangles();
+  /// The triangles of one of Embree's primitives: from the first of them to the first of the next.
+  uint32_t first_of(uint32_t primitive) const { return first_of_[primitive]; }
   /// Where the triangle is at an instant, before a jump and after it.
   Box box_at(const Triangle& triangle, double time) const;
   RTCBounds bounds(const Triangle& triangle, uint32_t step) const;
@@ -61,10 +71,13 @@ class UnevenTriangles {
     Vec3d normal;
   };
   /// Does the ray meet the triangle nearer than `nearest`, on a side that is there, and where it is not cut out?
-  bool meets(uint32_t triangle, const DiscreteContext& context, unsigned ray, float nearest, Hit& hit) const;
+  /// place: that of the ray's time.
+  bool meets(uint32_t triangle, const DiscreteContext& context, unsigned ray, Place place, float nearest,
+             Hit& hit) const;
   static bool intersect(const Corners& corners, const Ray& ray, Hit& hit);
 
   std::vector<Triangle> triangles_;
+  std::vector<uint32_t> first_of_;  // [primitive], and one behind the last
   std::vector<float> key_times_;
   std::vector<Vec3f> positions_;  // [vertex][key], so that what a ray needs lies close together
   uint32_t index_, steps_;
