@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -12,37 +14,52 @@
 
 namespace kairos {
 
-/// Of shading by normals: bounds, as distances between unit normals, from 0 to kMost. Immutable.
+/// Of shading by normals: bounds, as distances between unit normals, from 0 to kMost. They are found when they are
+/// first asked for, since most triangles of a large scene are never seen; any thread may ask.
 class ColourVariation {
  public:
   ColourVariation() = default;
-  /// O(triangles x keys), in parallel.
+  /// The shot outlives this.
   ColourVariation(const Shot& shot, const CameraAxes& world_from_camera);
 
   /// Was it made without a shot, or with one without meshes?
-  bool empty() const { return meshes_.empty(); }
+  bool empty() const { return known_.empty(); }
 
   static constexpr float kMost = 2;
 
   /// Over the whole triangle and `duration` of shutter time.
   float of(uint32_t mesh, uint32_t triangle, float duration) const {
-    const Entry entry = meshes_[mesh][triangle];
-    return std::min(kMost,
-                    (static_cast<float>(entry.over_area) + static_cast<float>(entry.per_time) * duration) * kUnit);
+    uint16_t entry = known_[mesh][triangle].load(std::memory_order_relaxed);
+    if (entry == kUnknown) {  // who else finds it finds the same
+      entry = find(mesh, triangle);
+      known_[mesh][triangle].store(entry, std::memory_order_relaxed);
+    }
+    const auto over_area = static_cast<float>((entry >> 8) - 1), per_time = static_cast<float>(entry & 0xff);
+    return std::min(kMost, (over_area + per_time * duration) * kUnit);
   }
 
  private:
-  static constexpr float kUnit = 1.0f / 64;
-  /// In kUnit, rounded up; of what is too large, the largest.
-  struct Entry {
-    uint8_t over_area = 0;  ///< at one instant
-    uint8_t per_time = 0;   ///< at one point, while the shutter is open, if it went on as it does at its fastest
+  /// A key, or an instant between two.
+  struct Instant {
+    size_t key, next;
+    double weight;
+    double duration;            // since the one before
+    std::array<Vec3d, 3> axes;  // of the shot's space in the world
   };
-  static uint8_t to_units(double distance) {
-    return static_cast<uint8_t>(std::min(255.0, std::ceil(distance / static_cast<double>(kUnit))));
-  }
 
-  std::vector<std::vector<Entry>> meshes_;  // [mesh][triangle]
+  static constexpr float kUnit = 1.0f / 64;
+  static constexpr uint16_t kUnknown = 0;
+
+  /// Two numbers in kUnit, rounded up. Upper byte: one more than over the area at one instant, at most kMost. Lower
+  /// byte: at one point while the shutter is open, if it went on as it does at its fastest; of what is too large, the
+  /// largest.
+  uint16_t find(uint32_t mesh, uint32_t triangle) const;
+  static std::array<Vec3d, 3> corner_normals(const Mesh& mesh, const Triangle& triangle, const Instant& at);
+
+  const std::vector<Mesh>* meshes_ = nullptr;
+  std::vector<std::vector<Instant>> instants_;                     // [set of key times]
+  std::vector<uint32_t> set_of_;                                   // [mesh]
+  mutable std::vector<std::vector<std::atomic<uint16_t>>> known_;  // [mesh][triangle]
 };
 
 }  // namespace kairos
