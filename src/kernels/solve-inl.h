@@ -67,6 +67,62 @@ HWY_INLINE hn::Vec<D> DistanceAt(D d, const DistLanes<D>& dist, const QuadraticL
   return hn::Max(hn::Min(hn::Div(sum, weight), high), low);
 }
 
+/// When the edge functions of a lane are not negative.
+template <class D>
+struct Stretch {
+  hn::Vec<D> begin, end;
+  hn::Mask<D> met;      ///< begin < end
+  hn::Mask<D> several;  ///< it may be more than one stretch, and is not answered
+};
+
+template <class D>
+HWY_INLINE Stretch<D> SolveSide(D d, const QuadraticLanes<D> (&e)[3], hn::Mask<D> alive) {
+  using V = hn::Vec<D>;
+  const V zero = hn::Zero(d), one = hn::Set(d, 1);
+  const auto clamped = [&](V root) HWY_ATTR { return hn::Min(hn::Max(root, zero), one); };
+  V begin = zero, end = one;
+  V falls[3], rises[3];  // the ends of what a function that dips below zero cuts out
+  hn::Mask<D> dips[3];
+  auto dipping = hn::MaskFromVec(zero);
+  for (size_t i = 0; i < 3; ++i) {
+    const V h = hn::Sub(e[i].b1, e[i].b0);
+    const V a = hn::Add(hn::Sub(e[i].b0, e[i].b1), hn::Sub(e[i].b2, e[i].b1));
+    const V disc = hn::Sub(hn::Mul(h, h), hn::Mul(a, e[i].b0));
+    const V q = hn::Neg(hn::Add(h, hn::CopySign(hn::Sqrt(hn::Max(disc, zero)), h)));
+    const auto in_at_begin = hn::Ge(e[i].b0, zero), in_at_end = hn::Ge(e[i].b2, zero);
+    const auto real = hn::Gt(disc, zero);
+    dips[i] = hn::And(hn::And(in_at_begin, in_at_end), hn::And(hn::Lt(e[i].b1, zero), real));
+    const auto passes = hn::AndNot(hn::Or(in_at_begin, in_at_end), hn::And(hn::Gt(e[i].b1, zero), real));
+    alive = hn::And(alive, hn::Or(hn::Or(in_at_begin, in_at_end), passes));
+    // Of the roots q / a and b0 / q, most lanes need one: where it rises, or falls if it is positive at begin.
+    const auto by_a = hn::Xor(in_at_begin, hn::Lt(hn::CopySign(one, h), zero));
+    const V change = clamped(hn::Div(hn::IfThenElse(by_a, q, e[i].b0), hn::IfThenElse(by_a, a, q)));
+    const V lo = hn::IfThenElse(in_at_begin, zero, change);
+    V hi = hn::IfThenElse(in_at_end, one, change);
+    if (!hn::AllFalse(d, hn::Or(passes, dips[i]))) {
+      rises[i] = clamped(hn::Div(hn::IfThenElse(by_a, e[i].b0, q), hn::IfThenElse(by_a, q, a)));
+      hi = hn::IfThenElse(passes, rises[i], hi);
+    } else {
+      rises[i] = zero;
+    }
+    falls[i] = change;
+    dipping = hn::Or(dipping, dips[i]);
+    begin = hn::Max(begin, lo);
+    end = hn::Min(end, hi);
+  }
+  auto several = hn::MaskFromVec(zero);
+  // Of what is left on both sides of a cut there is only one stretch most of the time.
+  if (!hn::AllFalse(d, hn::And(alive, dipping)))
+    for (size_t i = 0; i < 3; ++i) {
+      const V before = hn::Min(end, falls[i]), after = hn::Max(begin, rises[i]);
+      const auto met_before = hn::Lt(begin, before), met_after = hn::Lt(after, end);
+      several = hn::Or(several, hn::And(dips[i], hn::And(met_before, met_after)));
+      end = hn::IfThenElse(hn::And(dips[i], met_before), before, end);
+      begin = hn::IfThenElse(hn::AndNot(met_before, dips[i]), after, begin);
+    }
+  return {begin, end, hn::And(alive, hn::Lt(begin, end)), hn::And(alive, several)};
+}
+
 /// Solves the lanes in `alive` whose edge functions `e` do not rule out a hit, and puts the answers into `hits` from
 /// `lane` on. `behind`: lanes in which a vertex is behind the origin at a key. Overwrites `e`.
 template <class D, class M, class Hits>
@@ -74,7 +130,7 @@ HWY_INLINE void SolveLanes(D d, const DistLanes<D>& dist, QuadraticLanes<D> (&e)
                            Hits& hits) {
   using T = hn::TFromD<D>;
   using V = hn::Vec<D>;
-  const V zero = hn::Zero(d), one = hn::Set(d, 1), half = hn::Set(d, T(0.5));
+  const V zero = hn::Zero(d), half = hn::Set(d, T(0.5));
   auto front = alive, back = alive;
   V d0 = zero, d1 = zero, d2 = zero;  // the triangle's projected area over time
   for (size_t i = 0; i < 3; ++i) {
@@ -91,40 +147,33 @@ HWY_INLINE void SolveLanes(D d, const DistLanes<D>& dist, QuadraticLanes<D> (&e)
   if (hn::AllFalse(d, alive)) return;
   hits.solved |= MaskBits(d, alive) << lane;
 
-  // Make the one side that may be seen the front one.
-  const V flip = hn::IfThenElse(front, zero, hn::Set(d, T(-0.0)));
-  auto rare = hn::Or(hn::And(front, back), behind);
-  V begin = zero, end = one;
-  for (size_t i = 0; i < 3; ++i) {
-    e[i].b0 = hn::Xor(e[i].b0, flip);
-    e[i].b1 = hn::Xor(e[i].b1, flip);
-    e[i].b2 = hn::Xor(e[i].b2, flip);
-    const V h = hn::Sub(e[i].b1, e[i].b0);
-    const V a = hn::Add(hn::Sub(e[i].b0, e[i].b1), hn::Sub(e[i].b2, e[i].b1));
-    const V disc = hn::Sub(hn::Mul(h, h), hn::Mul(a, e[i].b0));
-    const V q = hn::Neg(hn::Add(h, hn::CopySign(hn::Sqrt(hn::Max(disc, zero)), h)));
-    const auto in_at_begin = hn::Ge(e[i].b0, zero), in_at_end = hn::Ge(e[i].b2, zero);
-    const auto real = hn::Gt(disc, zero);
-    rare = hn::Or(rare, hn::And(hn::And(in_at_begin, in_at_end), hn::And(hn::Lt(e[i].b1, zero), real)));
-    const auto passes = hn::AndNot(hn::Or(in_at_begin, in_at_end), hn::And(hn::Gt(e[i].b1, zero), real));
-    alive = hn::And(alive, hn::Or(hn::Or(in_at_begin, in_at_end), passes));
-    // Of the roots q / a and b0 / q, most lanes need one: where it rises, or falls if it is positive at begin.
-    const auto by_a = hn::Xor(in_at_begin, hn::Lt(hn::CopySign(one, h), zero));
-    const V root = hn::Div(hn::IfThenElse(by_a, q, e[i].b0), hn::IfThenElse(by_a, a, q));
-    const V change = hn::Min(hn::Max(root, zero), one);
-    const V lo = hn::IfThenElse(in_at_begin, zero, change);
-    V hi = hn::IfThenElse(in_at_end, one, change);
-    if (!hn::AllFalse(d, passes)) {
-      const V other = hn::Div(hn::IfThenElse(by_a, e[i].b0, q), hn::IfThenElse(by_a, q, a));
-      hi = hn::IfThenElse(passes, hn::Min(hn::Max(other, zero), one), hi);
+  // Make the side that may be seen the front one; of both, the front first.
+  const auto turn = [&](M lanes) HWY_ATTR {
+    const V flip = hn::IfThenElse(lanes, hn::Set(d, T(-0.0)), zero);
+    for (QuadraticLanes<D>& edge : e) {
+      edge.b0 = hn::Xor(edge.b0, flip);
+      edge.b1 = hn::Xor(edge.b1, flip);
+      edge.b2 = hn::Xor(edge.b2, flip);
     }
-    begin = hn::Max(begin, lo);
-    end = hn::Min(end, hi);
+  };
+  turn(hn::Not(front));
+  const auto both = hn::And(front, back);
+  Stretch<D> side = SolveSide(d, e, alive);
+  auto rare = side.several;
+  if (!hn::AllFalse(d, both)) {
+    turn(both);
+    const Stretch<D> other = SolveSide(d, e, both);
+    rare = hn::Or(rare, hn::Or(other.several, hn::And(side.met, other.met)));
+    side.begin = hn::IfThenElse(other.met, other.begin, side.begin);
+    side.end = hn::IfThenElse(other.met, other.end, side.end);
+    side.met = hn::Or(side.met, other.met);
+    front = hn::AndNot(other.met, front);
   }
-  const uint32_t rare_bits = MaskBits(d, hn::And(rare, hn::Or(front, back)));
+  rare = hn::Or(rare, hn::And(side.met, behind));
+  const V begin = side.begin, end = side.end;
+  const uint32_t rare_bits = MaskBits(d, rare);
   hits.rare |= rare_bits << lane;
-  const auto hit = hn::And(alive, hn::Lt(begin, end));
-  const uint32_t hit_bits = MaskBits(d, hit) & ~rare_bits;
+  const uint32_t hit_bits = MaskBits(d, side.met) & ~rare_bits;
   if (hit_bits == 0) return;
   hits.hit |= hit_bits << lane;
   hits.front |= (MaskBits(d, front) & hit_bits) << lane;
