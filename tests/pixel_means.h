@@ -54,7 +54,8 @@ inline void expect_same_means(const PixelSums& a, const PixelSums& b, int seeds,
     ++seen;
   }
   ASSERT_GT(seen, static_cast<int>(a.size()) / 2) << what;
-  EXPECT_LT(squares / seen, 1.7) << what << ": 1 for what differs by noise alone";
+  // Of few seeds, variances are estimates themselves.
+  EXPECT_LT(squares / seen, 1.6 + 32.0 / seeds) << what << ": 1 for what differs by noise alone";
   EXPECT_LT(std::abs(difference), 5 * std::sqrt(variance)) << what;
 }
 
