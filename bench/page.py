@@ -14,6 +14,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "tools"))
 
+import auto_table  # noqa: E402
 import growth_page  # noqa: E402
 import svg_plot  # noqa: E402
 from aims import aims_table  # noqa: E402
@@ -166,7 +167,9 @@ def contents(docs):
     gains = Gains(folder)
     blocks = {"machine": machine_text(folder), "ratios": ratios(rays), "times": times(rays), "included": included(renders),
               "parts": parts(renders), "work": work(rays), "builds": builds(rays), "threads": threads(renders),
-              "equal": equal(gains), "budgets": budgets(gains), "aims": aims_table(rays, renders, gains, growth, table),
+              "equal": equal(gains), "budgets": budgets(gains),
+              "auto": auto_table.summary(read_rows(folder / "auto.csv") if (folder / "auto.csv").exists() else [], table),
+              "aims": aims_table(rays, renders, gains, growth, table),
               **{f"growth-{axis}": text for axis, text in growth_page.tables(growth, table, plain).items()}}
     pictures = {"ratios": ratio_plot(rays), "equal": gain_plot(gains),
                 **{f"growth_{axis}": text for axis, text in growth_page.plots(growth).items()}}

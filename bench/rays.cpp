@@ -21,8 +21,8 @@
 
 #include "base/parallel.h"
 #include "discrete/discrete_scene.h"
-#include "integrators/packet_choice.h"
 #include "measuring.h"
+#include "policy/packet_choice.h"
 #include "ray_sets.h"
 #include "shot_choice.h"
 #include "study/statistics.h"

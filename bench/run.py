@@ -9,6 +9,7 @@ same command goes on from there. Measures again what was measured with other pro
 rays      time-continuous rays against the best discrete ray, building, bytes (bench_rays)
 renders   the same with everything that a picture needs, in parts; one thread and two (bench_renders)
 equal     error at equal time (kairos study)
+auto      error and time of auto beside those of fixed choices (bench_auto)
 growth    with triangles, resolution, motion, key spans and sets of key times (bench_rays)
 
 Then collects OUT/results/*.csv and, with --page, takes them to DOCS/results/ and writes the tables and plots of
@@ -31,7 +32,7 @@ import plan  # noqa: E402
 from jobs import Jobs, collect, say, write_rows  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PARTS = ["rays", "renders", "equal", "growth"]
+PARTS = ["rays", "renders", "equal", "auto", "growth"]
 
 
 def make_scene(folder, name, arguments, options):
@@ -68,7 +69,7 @@ class Benchmark:
     def shots(self, part):
         """Those whose scene is there, with its file."""
         for shot in plan.SHOTS:
-            if shot.name in self.effort.left_out or (shot.only_equal and part != "equal"):
+            if shot.name in self.effort.left_out or (shot.only_equal and part not in ("equal", "auto")):
                 continue
             path = self.scene_file(shot)
             if path is None:
@@ -129,6 +130,17 @@ class Benchmark:
                 results[kind].append((shot.name, folder / f"{kind}.csv"))
         for kind, files in results.items():
             collect(files, self.out / f"results/equal_{kind}.csv")
+
+    def auto(self):
+        results = []
+        for shot, path in self.shots("auto"):
+            if shot.large or shot.name in ("garden-960", "forest"):
+                continue
+            width, height = self.size(shot).split("x")
+            size = f"{max(1, int(width) // 2)}x{max(1, int(height) // 2)}"
+            command = ["bench_auto", path, "--size", size, *shot.options, *self.effort.auto]
+            results.append((shot.name, self.jobs.run("auto", shot.name, command, self.scene_digest(path))))
+        collect(results, self.out / "results/auto.csv")
 
     def growth(self):
         results = []

@@ -48,7 +48,8 @@ MixedFrame::MixedFrame(ShotParts& parts, const RenderParams& render_params, cons
       scene(parts.discrete(params.discrete_keys)),
       occluder_hints(!has_still_blended(shot, context.shader)),
       tracer(parts.tracer(params.instruction_set, occluder_hints)),
-      still_layer_is_empty(!has_still_mesh(shot) && !context.shader.has_sky()),
+      anything_still(has_still_mesh(shot)),
+      still_layer_is_empty(!anything_still && !context.shader.has_sky()),
       any_shows_others(has_mesh_that_shows_others(shot, context.shader)) {}
 
 void MixedFrame::estimate() {
@@ -58,8 +59,10 @@ void MixedFrame::estimate() {
   if (params.calibration) {
     plan.prices = prices_of(*params.calibration);
   } else {
-    const RayWork work = sample_ray_work(context, shot, mask, tracer, shading);
-    plan.prices = estimate_prices(work, mean_key_spans(shot), has_still_mesh(shot), params.shading);
+    const WorkSample work =
+        sample_ray_work(context, shot, mask, tracer, occluder_hints ? &scene : nullptr, plan.packets, shading);
+    plan.placed = work.placed;
+    plan.prices = estimate_prices(work, anything_still, params.shading);
   }
   plan.allotment = Allotment(budget, plan.prices);
 }
@@ -81,10 +84,12 @@ ShadingOptions MixedFrame::tc_shading() const {
 PixelPlan MixedFrame::plan_pixel(int x, int y) const {
   if (!automatic) return fixed_plan;
   if (context.needs.over_time()) return plan.allotment.plan_over_time(dither(x, y));
-  if (!still_layer_is_empty && budget < kLeastForStill) return {0, budget};
   if (will_race) return plan.allotment.plan_over_time(dither(x, y));
-  if (plan.race)
-    return plan.race->tc_wins(speed(x, y)) ? plan.allotment.plan_over_time(dither(x, y)) : PixelPlan{0, budget};
+  if (plan.race) {
+    const Allotment* winner = plan.race->winner(speed(x, y));
+    return winner != nullptr ? winner->plan_over_time(dither(x, y)) : PixelPlan{0, budget};
+  }
+  if (!still_layer_is_empty && budget < kLeastForStill) return {0, budget};
   return plan.allotment.plan(speed(x, y), dither(x, y));
 }
 

@@ -13,9 +13,6 @@
 
 namespace kairos {
 
-/// By which the share of the still layer in a pixel is found: a twentieth of the time of four time-continuous rays.
-inline constexpr uint32_t kShareRays = 4;
-
 /// Is changed only before the first pixel.
 class MixedFrame {
  public:
@@ -52,6 +49,7 @@ class MixedFrame {
   const DiscreteScene& scene;
   const bool occluder_hints;  ///< are still rays traced first, as occluder hints?
   const Tracer& tracer;
+  const bool anything_still;        ///< does any mesh have a single key?
   const bool still_layer_is_empty;  ///< but for a background that is the same everywhere
   const bool any_shows_others;      ///< see Shader::shows_others
 

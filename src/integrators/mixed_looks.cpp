@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "base/parallel.h"
 #include "integrators/mixed_worker.h"
+#include "policy/time_split.h"
 
 namespace kairos {
 
@@ -16,11 +18,13 @@ namespace {
 constexpr uint64_t kPixelsPerLook = 64, kLeastLooks = 128, kMostLooks = kMostLookPixels;
 /// In smaller pictures than this it would be more than a twentieth.
 constexpr uint64_t kLeastPixels = 10 * kLeastLooks;
-constexpr size_t kLeastLooksSeen = 16;  // fewer say nothing of the picture
 constexpr size_t kLooksPerTask = 64;
 
-/// One in so many of the pixels looked at is raced in: four times the budget each, so a fiftieth of the picture's time.
-constexpr size_t kLooksPerRace = 3;
+/// One in so many of the pixels looked at is raced in at most, which takes twelve times the budget there: a hundredth
+/// of the time of a picture of 960x540, and four of one of a tenth of that.
+constexpr size_t kLooksPerRace = 4, kMostRaced = 512;
+/// A ray of more than so many times the pixel's budget is too dear anywhere.
+constexpr double kDearest = 2;
 
 struct LookedAt {
   PixelLook pixel;
@@ -48,16 +52,16 @@ std::vector<LookedAt> look(const MixedFrame& frame, size_t count, Monitor& monit
   return looks;
 }
 
-/// Between the two kinds of ray.
-void race(MixedFrame& frame, const std::vector<LookPixel>& pixels, Monitor& monitor) {
-  std::vector<MixedWorker::RaceErrors> errors(pixels.size());
+/// Between the two kinds of ray. still_share: see Allotment.
+void race(MixedFrame& frame, const std::vector<LookPixel>& pixels, double still_share, Monitor& monitor) {
+  std::vector<RacedPixel> raced(pixels.size());
   parallel_for(pixels.size(), kLooksPerTask, [&](size_t begin, size_t end) {
     MixedWorker worker(frame);
-    for (size_t i = begin; i < end; ++i) errors[i] = worker.race(pixels[i].x, pixels[i].y, monitor);
+    for (size_t i = begin; i < end; ++i) raced[i] = worker.race(pixels[i].x, pixels[i].y, monitor);
   });
-  Race& result = frame.plan.race.emplace();
-  for (size_t i = 0; i < pixels.size(); ++i)
-    result.add(frame.speed(pixels[i].x, pixels[i].y), errors[i].tc, errors[i].discrete);
+  Race& result =
+      frame.plan.race.emplace(frame.budget, frame.plan.prices, frame.params.calibration.has_value(), still_share);
+  for (const RacedPixel& pixel : raced) result.add(pixel);
 }
 
 /// Which pixels get time-continuous rays.
@@ -70,43 +74,63 @@ void allot(MixedFrame& frame, const std::vector<LookedAt>& looks, Monitor& monit
     still_rays += look.still_rays;
   }
   const uint32_t first = first_samples(frame.budget), most = most_samples(frame.budget);
-  const double gain = SampleSpread(first, most, frame.budget, all).gain(frame.budget, rivals);
+  const bool spreads = spreads_samples(frame.params);
+  const double gain = spreads ? SampleSpread(first, most, frame.budget, all).gain(frame.budget, rivals) : 1;
   const double still_share = frame.will_race && !rivals.empty() ? still_rays / static_cast<double>(rivals.size()) : 1;
   frame.plan.allotment = Allotment(frame.budget, frame.plan.prices, gain, still_share);
-  if (frame.will_race && frame.plan.allotment.buys_tc()) {
+  frame.will_race = frame.will_race && !rivals.empty();
+  if (frame.will_race) {
+    const size_t seats = std::min(kMostRaced, looks.size() / kLooksPerRace);
+    const size_t step = (rivals.size() + seats - 1) / seats;
     std::vector<LookPixel> racing;
-    for (size_t i = 0; i < looks.size(); i += kLooksPerRace)
-      if (looks[i].tc_possible) racing.push_back({looks[i].x, looks[i].y});
-    frame.plan.spread.emplace(first, most, frame.budget, rivals);
-    race(frame, racing, monitor);
-    frame.plan.spread.reset();
+    size_t possible = 0;
+    for (const LookedAt& look : looks)
+      if (look.tc_possible && possible++ % step == 0) racing.push_back({look.x, look.y});
+    if (spreads) frame.plan.spread.emplace(first, most, frame.budget, rivals);
+    race(frame, racing, still_share, monitor);
+    frame.will_race = false;
   }
-  frame.will_race = false;
+  // What exact shadows cost is taken from the samples.
+  const auto sample_alone = [&](const LookedAt& look) {
+    return frame.sample_price(frame.mask.moves(look.x, look.y) ? DiscreteLayer::all : DiscreteLayer::still);
+  };
+  if (!frame.plan.race) {
+    std::vector<PixelLook> discrete;
+    double price = 0, alone = 0;
+    for (const LookedAt& look : looks)
+      if (!look.tc_possible || frame.plan_pixel(look.x, look.y).tc_rays == 0) {
+        discrete.push_back(look.pixel);
+        price += look.pixel.price;
+        alone += sample_alone(look);
+      }
+    if (spreads && price > 0) frame.plan.spread = spread_rest(frame.budget, frame.budget * alone / price, discrete);
+    return;
+  }
+  Race& decided = *frame.plan.race;
+  if (!spreads) {
+    for (size_t lane = 0; lane < Race::kLanes; ++lane) decided.give(lane, 1);
+    return;
+  }
+  const double raced = frame.plan.spread->error(rivals) / static_cast<double>(rivals.size());
+  std::vector<Contestant> contestants;
+  for (const LookedAt& look : looks)
+    contestants.push_back(
+        {look.pixel, look.tc_possible ? std::optional(frame.speed(look.x, look.y)) : std::nullopt, sample_alone(look)});
+  frame.plan.spread = split_time(decided, frame.budget, raced > 0 ? decided.discrete_error() / raced : 0, contestants);
 }
 
 }  // namespace
 
 void look_around(MixedFrame& frame, Monitor& monitor, RenderStats& stats) {
-  if (!spreads_samples(frame.params)) return;
   const Projection& projection = frame.shot.projection;
   const uint64_t pixels = static_cast<uint64_t>(projection.width) * static_cast<uint64_t>(projection.height);
   if (pixels < kLeastPixels) return;
-  frame.will_race = frame.automatic && is_lit(frame.params.shading) && !frame.context.needs.over_time();
+  frame.will_race = frame.automatic && !frame.mask.empty() && !frame.context.needs.over_time() &&
+                    frame.plan.prices.tc_ray.front() <= kDearest * frame.budget;
+  if (!frame.will_race && !spreads_samples(frame.params)) return;
   const auto count = std::clamp<uint64_t>(pixels / kPixelsPerLook, kLeastLooks, kMostLooks);
   const std::vector<LookedAt> looks = look(frame, count, monitor, stats);
-  if (frame.automatic) allot(frame, looks, monitor);
-  std::vector<PixelLook> discrete;  // of pixels without time-continuous rays
-  double price = 0, without_exact = 0;
-  for (const LookedAt& seen : looks)
-    if (!seen.tc_possible || frame.plan_pixel(seen.x, seen.y).tc_rays == 0) {
-      discrete.push_back(seen.pixel);
-      price += seen.pixel.price;
-      without_exact += frame.sample_price(frame.mask.moves(seen.x, seen.y) ? DiscreteLayer::all : DiscreteLayer::still);
-    }
-  // What exact shadows cost is taken from the samples.
-  if (discrete.size() >= kLeastLooksSeen)
-    frame.plan.spread.emplace(first_samples(frame.budget), most_samples(frame.budget),
-                              frame.budget * without_exact / price, discrete);
+  allot(frame, looks, monitor);
 }
 
 }  // namespace kairos

@@ -89,23 +89,43 @@ double MixedWorker::still_rays_share(int x, int y) {
   return share > 0 ? static_cast<double>(still_rays({1, frame_.budget}, share)) / frame_.budget : 0;
 }
 
-MixedWorker::RaceErrors MixedWorker::race(int x, int y, Monitor& monitor) {
+RacedPixel MixedWorker::race(int x, int y, Monitor& monitor) {
   const PixelPlan plan = frame_.plan.allotment.plan_over_time(dither(x, y));
   shares_.reset();
-  std::array<Vec3f, 2> tc, discrete;
+  const ShadingKind shading = frame_.params.shading;
+  const auto tc_time = [&] {  // of all rays so far
+    const TraceCounters& counters = workspace_.counters();
+    return static_cast<double>(counters.rays) * tc_ray_time({counters, shading_.evaluations(), layers_}, shading);
+  };
+  RacedPixel result;
+  result.speed = frame_.speed(x, y);
+  result.tc[0].count = plan.tc_rays;
+  result.tc[1].count = std::min(4 * plan.tc_rays, context_.sampler.count());
+  std::array<std::array<Vec3f, 2>, 3> seen;  // [way]: with discrete samples and with either number of rays
   for (size_t half = 0; half < 2; ++half) {
     const Sampler::Pixel pixel = frame_.race_points[half].pixel(x, y);
     const auto begin = [&] { record_.begin_pixel(x, y, context_.background, context_.times(x, y).window()); };
     align_ = align_points(frame_.mask, x, y);
     still_layer_.begin_pixel(x, y, pixel, align_);
-    begin();
-    render_moving(x, y, pixel, plan, monitor);
-    tc[half] = reduce(record_.finish(), {}, false).colour;
+    for (size_t i = 0; i < result.tc.size(); ++i) {
+      begin();
+      const double before = tc_time();
+      render_moving(x, y, pixel, {result.tc[i].count, plan.discrete}, monitor);
+      result.tc[i].time += (tc_time() - before) / 2;
+      seen[i + 1][half] = reduce(record_.finish(), {}, false).colour;
+    }
+    result.sample_time += find_sample_time(x, y, pixel, monitor) / 2;
     begin();
     render_discrete(x, y, pixel, DiscreteLayer::all, monitor);
-    discrete[half] = reduce(record_.finish(), {}, false).colour;
+    seen[0][half] = reduce(record_.finish(), {}, false).colour;
   }
-  return {squared_error(tc), squared_error(discrete)};
+  result.discrete_error = squared_error(seen[0]);
+  for (size_t i = 0; i < result.tc.size(); ++i) {
+    result.tc[i].error = squared_error(seen[i + 1]);
+    if (frame_.anything_still)
+      result.tc[i].time += result.tc[i].count * still_sample_time(shading) + kShareRays * result.sample_time;
+  }
+  return result;
 }
 
 double MixedWorker::passing_shadow_time(int x, int y, Monitor& monitor) {
@@ -167,7 +187,7 @@ void MixedWorker::render_discrete(int x, int y, const Sampler::Pixel& pixel, Dis
   const std::optional<SampleSpread>& spread = frame_.plan.spread;
   if (!spread) return samples_.take(x, y, pixel, 0, frame_.budget, layer, record_, monitor);
   contrast_.begin_pixel();
-  uint32_t taken = first_samples(frame_.budget);
+  uint32_t taken = spread->first();
   samples_.take(x, y, pixel, 0, taken, layer, record_, monitor);
   contrast_.add(record_, 0);
   while (taken < spread->count(contrast_.square())) {
@@ -181,7 +201,7 @@ void MixedWorker::render_discrete(int x, int y, const Sampler::Pixel& pixel, Dis
 void MixedWorker::render_resting(int x, int y, const Sampler::Pixel& pixel, Monitor& monitor) {
   const std::optional<SampleSpread>& spread = frame_.plan.spread;
   const ExactShadows* shadows = &*frame_.resting_shadows;
-  uint32_t taken = spread ? first_samples(frame_.budget) : frame_.budget;
+  uint32_t taken = spread ? spread->first() : frame_.budget;
   still_layer_.begin_pixel(x, y, pixel, {});
   still_layer_.add_rays(0, taken, shadows, monitor, record_);
   if (spread) {
@@ -220,6 +240,7 @@ void MixedWorker::render_moving(int x, int y, const Sampler::Pixel& pixel, const
     const std::span<const Ray> rays = std::span(batch_).first(size);
     const auto seen = frame_.tracer.trace_packet(rays, Visibility::visible, workspace_, occluder_hints,
                                                  frame_.plan.packets.together(plan.tc_rays), times.limits());
+    for (const SeenByRay& ray : seen) layers_ += ray.blended.size();
     ends_.clear();
     uint32_t first = record_.part_count();
     shading_.shade({rays, seen, std::span(times_).first(size), pixel.seed, begin, times.window()}, record_, ends_);
@@ -239,6 +260,27 @@ void MixedWorker::add_still_term(int x, int y, const PixelPlan& plan, Monitor& m
   if (count <= plan.tc_rays) return;
   still_layer_.add_rays(0, count, frame_.tc_shadows ? &*frame_.tc_shadows : nullptr, monitor, record_);
   record_.set_still(plan.tc_rays, static_cast<float>(share));
+}
+
+/// Of a discrete sample of everything, by what rays pass that look for a moment only.
+double MixedWorker::find_sample_time(int x, int y, const Sampler::Pixel& pixel, Monitor& monitor) {
+  constexpr uint32_t kMostRays = 4;
+  const uint32_t count = std::min(kMostRays, context_.sampler.count());
+  std::span<const Segment> hints;
+  if (frame_.occluder_hints) hints = still_layer_.occluder_hints(0, count, monitor);
+  const auto time = [&] {  // of all rays so far
+    const TraceCounters& counters = instants_.counters();
+    return static_cast<double>(counters.rays) *
+           sample_time({counters, 0, 0}, frame_.plan.placed, frame_.anything_still, frame_.params.shading);
+  };
+  const double before = time();
+  for (uint32_t i = 0; i < count; ++i) {
+    const Ray ray = context_.ray(x, y, align_(context_.sampler.point(pixel, i)));
+    const auto instant = static_cast<uint32_t>(pixel.seed + i * (kInstants / kMostRays));
+    frame_.tracer.trace_packet({&ray, 1}, Visibility::visible, instants_, hints.empty() ? hints : hints.subspan(i, 1),
+                               false, instant_limits(instant));
+  }
+  return (time() - before) / count;
 }
 
 /// What is seen in mirrors and behind glass has noise of its own, which is the less the more places in the pixel there

@@ -39,12 +39,8 @@ class MixedWorker : public Integrator::Worker {
   /// How many still rays a pixel takes beside time-continuous ones, as a share of the budget.
   double still_rays_share(int x, int y);
 
-  /// Squared, of a pixel.
-  struct RaceErrors {
-    double tc = 0, discrete = 0;
-  };
   /// By both kinds of ray for the same price.
-  RaceErrors race(int x, int y, Monitor& monitor);
+  RacedPixel race(int x, int y, Monitor& monitor);
 
   // Of pixels in which nothing moves, where the frame has resting_shadows.
   /// Nanoseconds, as those of shadow_prices.h, of an exact look into the pixel; 0 where nothing passes before a light.
@@ -70,10 +66,11 @@ class MixedWorker : public Integrator::Worker {
     double others = 0;  ///< of what shows something else, see Shader::shows_others
   };
   const Shares& shares_of(int x, int y);
+  double find_sample_time(int x, int y, const Sampler::Pixel& pixel, Monitor& monitor);
 
   const MixedFrame& frame_;
   const PixelContext& context_;
-  Tracer::Workspace workspace_;
+  Tracer::Workspace workspace_, instants_;
   PacketShading shading_;
   std::vector<uint32_t> ends_;  // [ray of a packet]: of its parts
   AlignedPoints align_;         // of the pixel's time-continuous rays
@@ -86,7 +83,7 @@ class MixedWorker : public Integrator::Worker {
   std::array<Vec2f, Tracer::kMaxPacket> film_{};
   std::array<float, Tracer::kMaxPacket> times_{};
   std::optional<Shares> shares_;  // of the pixel, once they are known
-  uint64_t moving_pixels_ = 0, tc_pixels_ = 0, share_rays_ = 0;
+  uint64_t moving_pixels_ = 0, tc_pixels_ = 0, share_rays_ = 0, layers_ = 0;
 };
 
 }  // namespace kairos

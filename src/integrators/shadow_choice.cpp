@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "integrators/mixed_worker.h"
+#include "policy/duel.h"
 #include "policy/shadow_prices.h"
 #include "policy/shadow_race.h"
 
@@ -67,9 +68,9 @@ bool exact_wins(const MixedFrame& frame, std::vector<LookPixel> pixels, Monitor&
     MixedWorker worker(frame);
     for (size_t i = begin; i < end; ++i) runs[i] = worker.race_shadows(pixels[i].x, pixels[i].y, monitor);
   });
-  Race race;
-  for (const auto& run : runs) race.add(0, run.exact, run.sampled);
-  return race.tc_wins(0);
+  Duel duel;
+  for (const auto& run : runs) duel.add(run.exact, run.sampled);
+  return duel.is_won();
 }
 
 }  // namespace

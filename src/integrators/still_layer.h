@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "discrete/occluder_hint.h"
 #include "integrators/discrete_samples.h"
 #include "integrators/integrator.h"
 #include "motion/aligned_points.h"
@@ -36,12 +37,7 @@ class StillLayer {
   std::span<const Segment> occluder_hints(uint32_t first, uint32_t count, Monitor& monitor) {
     trace(first + count, monitor);
     occluder_hints_.clear();
-    for (uint32_t i = first; i < first + count; ++i) {
-      Segment occluder_hint;
-      if (hits_[i])
-        occluder_hint = {0, 1, hits_[i]->dist, hits_[i]->dist, hits_[i]->mesh, hits_[i]->triangle, hits_[i]->front};
-      occluder_hints_.push_back(occluder_hint);
-    }
+    for (uint32_t i = first; i < first + count; ++i) occluder_hints_.push_back(occluder_hint(hits_[i]));
     return occluder_hints_;
   }
 

@@ -7,9 +7,9 @@
 
 #include "integrators/frame_plan.h"
 #include "integrators/integrator.h"
-#include "integrators/packet_choice.h"
 #include "integrators/shadow_choice.h"
 #include "motion/aligned_points.h"
+#include "policy/packet_choice.h"
 #include "shading/exact_shadows.h"
 #include "shading/packet_shading.h"
 

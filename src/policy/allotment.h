@@ -35,6 +35,10 @@ inline double worth(double rays, double speed) {
   return (0.6 + std::min(speed, kFastest)) * std::pow(rays, 1.7);
 }
 
+/// Time-continuous rays whose number is a power of two may take that much more time than there is: half as many would
+/// be a good deal worse.
+inline constexpr double kMostOver = 1.12;
+
 /// In [0, 1): spread evenly over any patch of pixels (M. Roberts, "The unreasonable effectiveness of quasirandom
 /// sequences", 2018).
 inline double dither(int x, int y) {
@@ -53,9 +57,9 @@ class Allotment {
       : budget_(budget) {
     const double samples = budget, time = samples - samples * still_share * prices.still_ray;
     const auto cost = [&](double rays) { return rays * tc_ray_price(prices, rays); };
-    if (!(cost(1) <= time)) return;
+    if (!(cost(1) <= kMostOver * time)) return;
     low_ = 1;
-    while (2 * low_ <= budget && cost(2.0 * low_) <= time) low_ *= 2;
+    while (2 * low_ <= budget && cost(2.0 * low_) <= kMostOver * time) low_ *= 2;
     const double more = 2 * low_ <= budget ? cost(2.0 * low_) - cost(low_) : 0;
     share_ = more > 0 ? std::clamp((time - cost(low_)) / more, 0.0, 1.0) : 0;  // with twice as many
     // Errors add up, and are one over what rays are worth: that has one value for all slow motion, and at kSlowest and
@@ -74,6 +78,8 @@ class Allotment {
 
   /// Is the budget worth a time-continuous ray?
   bool buys_tc() const { return low_ > 0; }
+  /// Time-continuous rays of a pixel that gets any, in the mean.
+  double mean_rays() const { return low_ * (1 + share_); }
   /// speed: pixels while the shutter is open. chance: of the pixel, in [0, 1).
   PixelPlan plan(double speed, double chance) const {
     if (speed < least_speed_) return {0, budget_};

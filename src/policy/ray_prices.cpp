@@ -3,98 +3,169 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
+#include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include <kairos/error.h>
 
+#include "base/parallel.h"
+#include "discrete/occluder_hint.h"
 #include "shading/packet_shading.h"
 
 namespace kairos {
 
 namespace {
 
-// Nanoseconds on one thread of a Xeon with AVX-512 at about 2.7 GHz; only their ratios matter. Fitted to pictures of
-// scenes of several kinds: docs/method.md, "Static and moving in one pixel".
-constexpr double kNode = 20, kTriangle = 15, kHit = 90;  // of a time-continuous ray, see TraceCounters
-constexpr double kEvaluation = 30;                       // finding out where to shade, and adding up
-// A discrete ray passes what is about it at one instant: more where a time-continuous ray of one key span has more
-// hits, up to a limit, since from some speed on more hits are the same things, faster.
-constexpr double kDiscrete = 60, kDiscreteMost = 600, kHalfway = 5;  // hits at which half of the limit is reached
-constexpr double kStill = 60;
+// Nanoseconds on one thread of an AMD EPYC (Zen 4) with AVX-512; only their ratios matter. What bench/fit_prices.py
+// finds in docs/results/prices.csv. Of a time-continuous ray, see TraceCounters:
+constexpr double kRay = 200, kNode = 89, kTriangle = 34, kSolve = 6.4, kHit = 0.1, kSegment = 130;
+constexpr double kEvaluation = 60;  // finding out where to shade, shading with normals, and adding up
+constexpr double kLayer = 2200;     // of a segment of a blended surface, besides: what is seen through what
+// Of a discrete ray, and of what it would pass on its way at one instant:
+constexpr double kSample = 79, kInstantNode = 5, kInstantTriangle = 8.6, kInstantHit = 43;
+// How much cheaper it passes instances, whose shapes themselves do not move: of the time of the last three.
+constexpr double kPlaced = 0.7;
+constexpr double kStill = 79;  // of a discrete ray to what stands still
 
-constexpr double kUnlit = 60;
+constexpr double kShadowNode = 20, kShadowTriangle = 15, kShadowHit = 90;  // of a ray to a light
 
-double shading_time(ShadingKind kind) {
+/// Of an evaluation, beyond one with normals.
+double light_time(ShadingKind kind) {
   switch (kind) {
-    case ShadingKind::flat:
-      return 40;
     case ShadingKind::whitted:
-      return 1300;
+      return 1240;
     case ShadingKind::path:
-      return 5000;
+      return 4940;
     default:
-      return kUnlit;
+      return 0;
   }
 }
 
 // Nanoseconds that a ray may take; a clock that says anything else is broken.
 constexpr double kLeastTime = 1e-3, kMostTime = 1e9;
 
-// Of 1, 4 and 16 time-continuous rays in a pixel, how much dearer each is than the counts say: the median over the
-// scenes of docs/method.md. Light is as dear for one ray as for many.
-constexpr std::array<double, Calibration::kRays.size()> kFewAreDearer{2.8, 2.0, 1.25};
-
-constexpr int kPixels = 64;                     // looked at
-constexpr uint32_t kRays = Tracer::kMaxPacket;  // in each
-constexpr uint32_t kTries = kLeastLookPixels;   // at most, to find pixels in which something moves
+constexpr size_t kPixels = 64;                      // looked at
+constexpr uint32_t kMostRays = Tracer::kMaxPacket;  // in each
+constexpr size_t kPixelsPerTask = 4;
+constexpr uint32_t kTries = kLeastLookPixels;  // at most, to find pixels in which something moves
 
 }  // namespace
 
-RayWork sample_ray_work(const PixelContext& context, const Shot& shot, const MotionMask& mask, const Tracer& tracer,
-                        const ShadingOptions& options) {
+RayWork::RayWork(const TraceCounters& counters, uint64_t evaluation_count, uint64_t layer_count) {
+  if (counters.rays == 0) return;
+  const auto mean = [&](uint64_t value) { return static_cast<double>(value) / static_cast<double>(counters.rays); };
+  nodes = mean(counters.nodes);
+  triangles = mean(counters.triangles);
+  root_solves = mean(counters.root_solves);
+  hits = mean(counters.hits);
+  segments = mean(counters.segments);
+  evaluations = mean(evaluation_count);
+  layers = mean(layer_count);
+}
+
+WorkSample sample_ray_work(const PixelContext& context, const Shot& shot, const MotionMask& mask, const Tracer& tracer,
+                           const DiscreteScene* hints, const PacketChoice& packets, const ShadingOptions& options) {
+  constexpr auto kCounts = Calibration::kRays;
+  std::vector<LookPixel> pixels;
   const std::vector<LookPixel> places = look_pixels(shot.projection);
-  Tracer::Workspace workspace;
-  PacketShading shading(context.shader, options);
-  RecordBuilder shaded;
-  std::vector<uint32_t> ends;
-  std::array<float, kRays> phases;
-  phases.fill(0.5f);
-  std::array<Ray, kRays> rays;
-  int pixels = 0;
-  for (uint32_t i = 0; i < kTries && pixels < kPixels; ++i) {
-    const auto [x, y] = places[i];
-    if (!mask.moves(x, y)) continue;
-    ++pixels;
-    const Sampler::Pixel pixel = context.sampler.pixel(x, y);
-    const uint32_t count = std::min(kRays, context.sampler.count());
-    for (uint32_t k = 0; k < count; ++k) rays[k] = context.ray(x, y, context.sampler.point(pixel, k));
-    const auto seen = tracer.trace_packet(std::span(rays).first(count), Visibility::visible, workspace);
-    shaded.clear();
-    ends.clear();
-    shading.shade({std::span(rays).first(count), seen, std::span(phases).first(count), pixel.seed, 0}, shaded, ends);
-  }
-  const TraceCounters& sum = workspace.counters();
-  if (sum.rays == 0) return {};
-  const auto mean = [&](uint64_t value) { return static_cast<double>(value) / static_cast<double>(sum.rays); };
-  return {mean(sum.nodes), mean(sum.triangles), mean(sum.hits), mean(shading.evaluations())};
+  for (uint32_t i = 0; i < kTries && pixels.size() < kPixels; ++i)
+    if (mask.moves(places[i].x, places[i].y)) pixels.push_back(places[i]);
+
+  const Sampler points(SamplerKind::owen_sobol, kMostRays, 0);
+  std::array<TraceCounters, kCounts.size()> counters{};
+  std::array<uint64_t, kCounts.size()> evaluations{}, layers{};
+  TraceCounters instant;
+  uint64_t placed = 0;  // segments
+  std::mutex mutex;     // of these sums
+  parallel_for(pixels.size(), kPixelsPerTask, [&](size_t begin, size_t end) {
+    std::array<Tracer::Workspace, kCounts.size()> workspaces;
+    Tracer::Workspace instants;
+    std::array<uint64_t, kCounts.size()> layers_here{};
+    uint64_t placed_here = 0;
+    std::array<PacketShading, kCounts.size()> shadings{PacketShading(context.shader, options),
+                                                       PacketShading(context.shader, options),
+                                                       PacketShading(context.shader, options)};
+    RecordBuilder shaded;
+    std::vector<uint32_t> ends;
+    std::array<float, kMostRays> phases;
+    phases.fill(0.5f);
+    std::array<Ray, kMostRays> rays;
+    std::array<std::optional<DiscreteHit>, kMostRays> still;
+    std::vector<Segment> seen_still;
+    const auto hints_of = [&](size_t first, size_t count) {
+      return hints == nullptr ? std::span<const Segment>() : std::span<const Segment>(seen_still).subspan(first, count);
+    };
+    for (size_t i = begin; i < end; ++i) {
+      const auto [x, y] = pixels[i];
+      const Sampler::Pixel pixel = points.pixel(x, y);
+      for (uint32_t k = 0; k < kMostRays; ++k) rays[k] = context.ray(x, y, points.point(pixel, k));
+      if (hints != nullptr) {
+        hints->intersect(rays, phases, still, DiscreteLayer::still);
+        seen_still.clear();
+        for (const auto& hit : still) seen_still.push_back(occluder_hint(hit));
+      }
+      for (size_t n = 0; n < kCounts.size(); ++n) {
+        const auto count = static_cast<uint32_t>(kCounts[n]);
+        const std::span<const Ray> first = std::span(rays).first(count);
+        const auto seen =
+            tracer.trace_packet(first, Visibility::visible, workspaces[n], hints_of(0, count), packets.together(count));
+        for (const SeenByRay& ray : seen) layers_here[n] += ray.blended.size();
+        shaded.clear();
+        ends.clear();
+        shadings[n].shade({first, seen, std::span(phases).first(count), pixel.seed, 0}, shaded, ends);
+      }
+      for (uint32_t k = 0; k < kInstants; ++k) {
+        const auto seen = tracer.trace_packet(std::span(rays).subspan(k, 1), Visibility::visible, instants,
+                                              hints_of(k, 1), false, instant_limits(k));
+        for (const Segment& segment : seen.front().segments) placed_here += shot.meshes[segment.mesh].object != nullptr;
+      }
+    }
+    const std::lock_guard<std::mutex> lock(mutex);
+    for (size_t n = 0; n < kCounts.size(); ++n) {
+      counters[n] += workspaces[n].counters();
+      evaluations[n] += shadings[n].evaluations();
+      layers[n] += layers_here[n];
+    }
+    instant += instants.counters();
+    placed += placed_here;
+  });
+  WorkSample sum;
+  for (size_t n = 0; n < kCounts.size(); ++n) sum.tc[n] = RayWork(counters[n], evaluations[n], layers[n]);
+  sum.instant = RayWork(instant, 0, 0);
+  if (instant.segments > 0) sum.placed = static_cast<double>(placed) / static_cast<double>(instant.segments);
+  return sum;
 }
 
 double tracing_time(double nodes, double triangles, double hits) {
-  return kNode * nodes + kTriangle * triangles + kHit * hits;
+  return kShadowNode * nodes + kShadowTriangle * triangles + kShadowHit * hits;
 }
 
-RayPrices estimate_prices(const RayWork& work, double key_spans, bool anything_still, ShadingKind shading) {
-  if (work.nodes + work.triangles + work.evaluations == 0) return {};  // nothing is known
-  const double shade = shading_time(shading);
-  const double hits = work.hits / key_spans;
-  const double discrete = kDiscrete + kDiscreteMost * hits / (hits + kHalfway) + shade;
-  const double still = kStill + shade;
-  const double evaluations = std::max(1.0, work.evaluations), cheap = std::min(shade, kUnlit);
-  const double tc = tracing_time(work.nodes, work.triangles, work.hits) + (kEvaluation + cheap) * evaluations;
-  const double light = (shade - cheap) * evaluations;
+double tc_ray_time(const RayWork& work, ShadingKind shading) {
+  return kRay + kNode * work.nodes + kTriangle * work.triangles + kSolve * work.root_solves + kHit * work.hits +
+         kSegment * work.segments + (kEvaluation + light_time(shading)) * work.evaluations + kLayer * work.layers;
+}
+
+double sample_time(const RayWork& instant, double placed, bool anything_still, ShadingKind shading) {
+  const double passed =
+      kInstantNode * instant.nodes + kInstantTriangle * instant.triangles + kInstantHit * instant.hits;
+  return kSample + (anything_still ? kStill : 0) + passed * (1 - placed + placed * kPlaced) + light_time(shading);
+}
+
+double still_sample_time(ShadingKind shading) { return kStill + light_time(shading); }
+
+RayPrices estimate_prices(const WorkSample& work, bool anything_still, ShadingKind shading) {
+  if (work.instant.nodes + work.instant.triangles + work.tc.back().evaluations == 0) return {};  // nothing is known
+  const double sample = sample_time(work.instant, work.placed, anything_still, shading),
+               still = still_sample_time(shading);
   RayPrices prices;
-  for (size_t i = 0; i < kFewAreDearer.size(); ++i) prices.tc_ray[i] = (kFewAreDearer[i] * tc + light) / discrete;
-  prices.still_ray = anything_still ? std::min(1.0, still / discrete) : 0;
+  for (size_t i = 0; i < prices.tc_ray.size(); ++i) {
+    prices.tc_ray[i] = tc_ray_time(work.tc[i], shading) / sample;
+    if (anything_still) prices.tc_ray[i] += still / sample + static_cast<double>(kShareRays) / Calibration::kRays[i];
+  }
+  prices.still_ray = anything_still ? std::min(1.0, still / sample) : 0;
   return prices;
 }
 
@@ -125,16 +196,6 @@ RayPrices prices_of(const Calibration& calibration) {
     prices.tc_ray[i] = calibration.tc_ray[i] / calibration.discrete_sample;
   }
   return prices;
-}
-
-double mean_key_spans(const Shot& shot) {
-  double triangles = 0, spans = 0;
-  for (const Mesh& mesh : shot.meshes) {
-    if (mesh.is_static()) continue;
-    triangles += static_cast<double>(mesh.triangle_count());
-    spans += static_cast<double>(mesh.triangle_count()) * static_cast<double>(mesh.key_count() - 1);
-  }
-  return triangles > 0 ? spans / triangles : 1;
 }
 
 }  // namespace kairos

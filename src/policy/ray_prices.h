@@ -2,11 +2,16 @@
 // clocks, so that a picture is the same every time.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include <kairos/render.h>
+#include <kairos/tracer.h>
 
+#include "discrete/discrete_scene.h"
 #include "motion/motion_mask.h"
+#include "policy/packet_choice.h"
 #include "shading/pixel_context.h"
 #include "shading/spread.h"
 
@@ -18,23 +23,53 @@ double tc_ray_price(const RayPrices& prices, double rays);
 /// Throws Error(bad_usage) for times that nothing takes.
 RayPrices prices_of(const Calibration& calibration);
 
-/// Means over time-continuous rays through pixels in which something moves.
+/// What a ray took, in the mean over some.
 struct RayWork {
-  double nodes = 0, triangles = 0, hits = 0;  ///< see TraceCounters
-  double evaluations = 0;                     ///< of the shader
+  double nodes = 0, triangles = 0, root_solves = 0, hits = 0, segments = 0;  ///< see TraceCounters
+  double evaluations = 0;                                                    ///< of the shader
+  double layers = 0;                                                         ///< segments of blended surfaces
+
+  RayWork() = default;
+  /// Of `counters.rays` rays; zero of none.
+  RayWork(const TraceCounters& counters, uint64_t evaluations, uint64_t layers);
 };
 
-/// Traces and shades a few hundred rays, spread over the pixels that the mask names. Zero work where there are none.
-RayWork sample_ray_work(const PixelContext& context, const Shot& shot, const MotionMask& mask, const Tracer& tracer,
-                        const ShadingOptions& options);
+/// Of rays through pixels in which something moves; zero where there are none.
+struct WorkSample {
+  /// Of time-continuous rays, where there are as many of them in a pixel as Calibration::kRays says.
+  std::array<RayWork, Calibration::kRays.size()> tc{};
+  /// Of rays that look for a sixteenth of the shutter: about what a discrete ray passes.
+  RayWork instant;
+  double placed = 0;  ///< the share of what these see that are instances
+};
 
-/// Nanoseconds for so much work of time-continuous rays, see TraceCounters; only their ratios matter.
+/// Sixteenths of the shutter are the shortest times of which a tree leaves out what happens at others.
+inline constexpr uint32_t kInstants = 16;
+inline TraceLimits instant_limits(uint32_t instant) {
+  const auto width = 1.0f / static_cast<float>(kInstants), begin = static_cast<float>(instant % kInstants) * width;
+  return {begin, begin + width};
+}
+
+/// Traces and shades a few hundred rays, spread over the pixels that the mask names, in parallel. hints: what stands
+/// still, where the tracer knows nothing of it and is told of each ray what it meets there; else null.
+WorkSample sample_ray_work(const PixelContext& context, const Shot& shot, const MotionMask& mask, const Tracer& tracer,
+                           const DiscreteScene* hints, const PacketChoice& packets, const ShadingOptions& options);
+
+/// Discrete rays of a pixel with time-continuous ones, by which the share of the still layer is found, where there is
+/// one.
+inline constexpr uint32_t kShareRays = 4;
+
+// Nanoseconds; only their ratios matter.
+/// For so much work of single time-continuous rays, see TraceCounters; what shadows are priced by.
 double tracing_time(double nodes, double triangles, double hits);
+/// Of a time-continuous ray from the camera, with shading.
+double tc_ray_time(const RayWork& work, ShadingKind shading);
+/// Of a discrete ray to everything. instant, placed: see WorkSample. anything_still: does any mesh have a single key?
+double sample_time(const RayWork& instant, double placed, bool anything_still, ShadingKind shading);
+double still_sample_time(ShadingKind shading);  ///< of one to what stands still
 
-/// key_spans: see mean_key_spans. anything_still: does any mesh have a single key?
-RayPrices estimate_prices(const RayWork& work, double key_spans, bool anything_still, ShadingKind shading);
-
-/// Mean number of key spans of the moving meshes' triangles; at least 1.
-double mean_key_spans(const Shot& shot);
+/// anything_still: then a pixel's time-continuous rays come with discrete ones
+/// (docs/method.md, "Static and moving in one pixel").
+RayPrices estimate_prices(const WorkSample& work, bool anything_still, ShadingKind shading);
 
 }  // namespace kairos

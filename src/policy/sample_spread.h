@@ -64,15 +64,24 @@ class SampleSpread {
     scale_ = low;
   }
 
+  /// In proportion to the sum of squared errors in these pixels.
+  double error(const std::vector<PixelLook>& looks) const {
+    double sum = 0;
+    for (const PixelLook& look : looks)
+      sum += look.contrast_square * std::pow(count(look.contrast_square), -kErrorExponent);
+    return sum;
+  }
+
   /// How many times the samples it would take to get the same error in these pixels with `mean` in each; at least 1.
   double gain(double mean, const std::vector<PixelLook>& looks) const {
-    double alike = 0, spread = 0;
-    for (const PixelLook& look : looks) {
-      alike += look.contrast_square * std::pow(mean, -kErrorExponent);
-      spread += look.contrast_square * std::pow(count(look.contrast_square), -kErrorExponent);
-    }
+    double alike = 0;
+    for (const PixelLook& look : looks) alike += look.contrast_square * std::pow(mean, -kErrorExponent);
+    const double spread = error(looks);
     return spread > 0 ? std::max(1.0, std::pow(alike / spread, 1 / kErrorExponent)) : 1;
   }
+
+  /// Samples by which the contrast of a pixel is found.
+  uint32_t first() const { return first_; }
 
   /// Of a pixel. Contrasts are estimates: a pixel that is wrongly given half of the samples loses more than one that is
   /// given twice as many gains, so that either happens only where it is clear.

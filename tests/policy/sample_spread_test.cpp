@@ -11,6 +11,7 @@
 
 #include "integrators/contrast.h"
 #include "policy/race.h"
+#include "policy/time_split.h"
 
 namespace kairos {
 namespace {
@@ -21,24 +22,101 @@ std::vector<PixelLook> looks(std::initializer_list<double> contrasts) {
   return result;
 }
 
+/// Of samples that take 100 ns, and 8 rays that are as dear as RayPrices{} says or so many times dearer, whose squared
+/// error falls with this power of their number.
+RacedPixel raced(double speed, double tc_error, double discrete_error, double dearer = 1, double exponent = 2) {
+  constexpr uint32_t kRays = 8;
+  const double time = dearer * kRays * RayPrices{}.tc_ray[0] * 100;
+  return {speed,
+          discrete_error,
+          {{{kRays, tc_error, time}, {4 * kRays, tc_error * std::pow(4, -exponent), 4 * time}}},
+          100};
+}
+Race race_of(int pixels, const std::vector<RacedPixel>& each, double times = 1) {
+  Race race(64, RayPrices{}, false, 0);
+  for (int i = 0; i < pixels; ++i)
+    for (const RacedPixel& pixel : each) race.add(pixel);
+  for (size_t lane = 0; lane < Race::kLanes; ++lane) race.give(lane, times);
+  return race;
+}
+
 TEST(Race, IsWonBySpeed) {
-  Race race;
-  EXPECT_FALSE(race.tc_wins(5)) << "nobody ran";
+  EXPECT_EQ(race_of(0, {}).winner(5), nullptr) << "nobody ran";
+  const Race race = race_of(100, {raced(0.1, 1, 0.5), raced(0.6, 0.5, 1), raced(5, 0.9, 1)});
+  EXPECT_EQ(race.winner(0.2), nullptr);
+  EXPECT_NE(race.winner(0.5), nullptr);
+  EXPECT_NE(race.winner(2), nullptr) << "hardly seen: as the next slower ones";
+  EXPECT_EQ(race.winner(9), nullptr) << "a tie";
+  EXPECT_EQ(race.winner(1000), nullptr) << "never seen";
+  Race by_one(64, RayPrices{}, false, 0);
+  by_one.add(raced(2, 0, 100));
+  for (int i = 0; i < 100; ++i) by_one.add(raced(2, 0.1, 0.1));
+  by_one.give(*by_one.lane(2), 1);
+  EXPECT_EQ(by_one.winner(2), nullptr) << "won by a single pixel";
+}
+
+TEST(Race, GivesAsManyRaysAsWereFoundToCostTheBudget) {
+  const auto rays = [](const Race& race) { return race.winner(2) != nullptr ? race.winner(2)->mean_rays() : 0; };
+  EXPECT_NEAR(rays(race_of(100, {raced(2, 0.1, 1)})), 8, 1e-9) << "of the price 8, 64 samples buy 8";
+  EXPECT_NEAR(rays(race_of(100, {raced(2, 0.1, 1, 2)})), 4, 1e-9) << "twice as dear";
+  EXPECT_NEAR(rays(race_of(100, {raced(2, 0.1, 1, 0.5)})), 16, 1e-9);
+  EXPECT_EQ(rays(race_of(100, {raced(2, 0.4, 1, 2)})), 0) << "with half of the rays, four times the error";
+  EXPECT_NEAR(rays(race_of(100, {raced(2, 0.4, 1, 2, 1)})), 4, 1e-9) << "but twice, as was found";
+  EXPECT_NEAR(rays(race_of(100, {raced(2, 5, 1, 0.25)})), 32, 1e-9) << "with four times the rays, a sixteenth of it";
+  EXPECT_EQ(rays(race_of(100, {raced(2, 0, 1, 10)})), 0) << "not one ray is to be had";
+  EXPECT_NEAR(race_of(100, {raced(2, 0.1, 1, 0.5)}).tc_error(2), 0.025, 1e-9);
+  EXPECT_EQ(race_of(100, {raced(2, 0.1, 1, 0.5)}).discrete_error(), 1);
+  // With four times the budget, against as many more samples: those gain 8.4 dB.
+  EXPECT_EQ(rays(race_of(100, {raced(2, 2, 1)})), 0);
+  EXPECT_NEAR(rays(race_of(100, {raced(2, 2, 1, 1, 2.5)}, 4)), 32, 1e-9);
+  EXPECT_EQ(rays(race_of(100, {raced(2, 0.5, 1, 1, 0.8)}, 4)), 0);
+  // What was measured holds for all; counts tell where it is more and where less.
+  Race measured(64, RayPrices{}, true, 0);
   for (int i = 0; i < 100; ++i) {
-    race.add(0.1, 1, 0.5);
-    race.add(0.6, 0.5, 1);
-    race.add(5, 0.9, 1);
+    measured.add(raced(2, 0.1, 1, 4));
+    measured.add(raced(20, 0.1, 1, 4));
   }
-  race.add(20, 0, 1);
-  EXPECT_FALSE(race.tc_wins(0.2));
-  EXPECT_TRUE(race.tc_wins(0.5));
-  EXPECT_TRUE(race.tc_wins(2)) << "hardly seen: as the next slower ones";
-  EXPECT_FALSE(race.tc_wins(9)) << "a tie";
-  EXPECT_FALSE(race.tc_wins(1000)) << "one pixel says nothing";
-  Race by_one;
-  by_one.add(2, 0, 100);
-  for (int i = 0; i < 100; ++i) by_one.add(2, 0.1, 0.1);
-  EXPECT_FALSE(by_one.tc_wins(2)) << "won by a single pixel";
+  measured.give(*measured.lane(2), 1);
+  EXPECT_NEAR(rays(measured), 8, 1e-9);
+}
+
+/// Half of the pixels have a contrast and stand still, and in the others things move by two pixels.
+std::vector<Contestant> half_moving(double contrast_square) {
+  std::vector<Contestant> pixels;
+  for (int i = 0; i < 100; ++i) {
+    pixels.push_back({{contrast_square, 1}, std::nullopt});
+    pixels.push_back({{contrast_square, 1}, 2.0});
+  }
+  return pixels;
+}
+
+TEST(TimeSplit, GivesTimeToWhereItMakesThePictureBetter) {
+  const auto moving_rays = [](Race& race) { return race.winner(2) != nullptr ? race.winner(2)->mean_rays() : 0; };
+  // What stands still has hardly an error: most of its time goes to the rays, but for the least that it needs.
+  Race needy = race_of(100, {raced(2, 0.5, 1)});
+  const auto rest = split_time(needy, 64, 1e-6, half_moving(1));
+  EXPECT_GT(moving_rays(needy), 8 * 1.3);
+  ASSERT_TRUE(rest);
+  EXPECT_LE(rest->first(), 16u);
+  EXPECT_GE(rest->first(), 8u);
+  // The other way round, the rays get less than their share.
+  Race rich = race_of(100, {raced(2, 1e-6, 1)});
+  EXPECT_GE(split_time(rich, 64, 1, half_moving(1))->first(), 32u);
+  EXPECT_LT(moving_rays(rich), 8);
+  EXPECT_GT(moving_rays(rich), 0);
+  // Rays that lose with as much time as samples, but not with more of it.
+  Race late = race_of(100, {raced(2, 1.1, 1, 1, 2.5)});
+  EXPECT_EQ(moving_rays(late), 0);
+  split_time(late, 64, 1e-6, half_moving(1));
+  EXPECT_GT(moving_rays(late), 8);
+  // Never more than there is.
+  for (const double scale : {1e-6, 1e-2, 1.0, 1e2})
+    for (const double tc_error : {1e-6, 1e-2, 0.5}) {
+      Race race = race_of(100, {raced(2, tc_error, 1)});
+      const auto spread = split_time(race, 64, scale, half_moving(0.5));
+      const double discrete = spread ? spread->count(0.5) : 64;
+      EXPECT_LE(moving_rays(race) * RayPrices{}.tc_ray[0] + discrete, 1.15 * 2 * 64) << scale << ' ' << tc_error;
+    }
 }
 
 TEST(Contrast, IsTheRangeOfWhatADisplayShows) {

@@ -17,6 +17,8 @@ sys.path += [str(root / "bench"), str(root / "tools")]
 
 import aims  # noqa: E402
 import estimates  # noqa: E402
+import auto_table  # noqa: E402
+import fit_prices  # noqa: E402
 import instances  # noqa: E402
 import jobs  # noqa: E402
 import page  # noqa: E402
@@ -36,6 +38,24 @@ def near(a, b, margin=1e-3):
     return abs(a - b) <= margin
 
 
+def check_table_of_auto():
+    """Of methods that are better the longer they take, by known dB."""
+    rows = []
+    for method, shift in (("discrete", 0), ("spread", 1), ("tc", 2), ("mixed", -3), ("auto", 0.5)):
+        for effort in (4, 16, 64):
+            seconds = effort * (1.1 if method == "auto" else 1)
+            psnr = 20 + 10 * math.log10(seconds) + shift
+            rows += [{"point": "hall", "measure": f"{method}_{what}", "rays": effort, "round": 0, "value": value}
+                     for what, value in (("s", seconds), ("db", psnr))]
+    found = list(auto_table.judged(rows))
+    check([row[1] for row in found] == [4, 16, 64] and all(
+        row[5] == f"tc {row[1]}" and near(row[2] - row[3], -0.5 + 10 * math.log10(1.1)) and near(row[4] - row[2], 1.5 - 10 * math.log10(1.1)) and near(row[6], 1.1)
+        for row in found), f"judged {found}")
+    lines = auto_table.table(rows)
+    check([line.split("  ")[-1] for line in lines[1:4]] == ["", "best", "best"] and
+          lines[4].startswith("3 rows: 0 below") and " 2 below the best" in lines[4], "\n".join(lines))
+
+
 def check_arithmetic():
     for degrees, quantile in ((1, 12.7062), (4, 2.7764), (11, 2.2010), (60, 2.0003)):  # tables of the distribution
         check(near(estimates.student_quantile(degrees), quantile), f"Student's quantile of {degrees} degrees")
@@ -51,6 +71,9 @@ def check_arithmetic():
     check(aims.least([(1, 0, 2), None, (-1, -2, 0)])[0] == -1 and aims.least([None]) is None, "the least estimate")
     fitted = instances.fit(jobs.read_rows(root / "docs/results/instances.csv"))
     check(fitted == instances.committed(), f"bench/instances.py gives {fitted}, the source has {instances.committed()}")
+    prices = fit_prices.fitted(jobs.read_rows(root / "docs/results/prices.csv"))
+    check(prices == fit_prices.committed(), f"bench/fit_prices.py gives {prices}, the source has {fit_prices.committed()}")
+    check_table_of_auto()
     folder = out / "arithmetic"
     folder.mkdir(parents=True)
     values = [("tc_ns", 4, 20), ("tc_ns", 4, 60), ("discrete_ns", 4, 10), ("discrete_ns", 4, 15), ("triangles", 0, 8)]

@@ -3,7 +3,10 @@
 
 #include <cstdint>
 
-#include "integrators/integrator.h"
+#include <kairos/scene.h>
+#include <kairos/tracer.h>
+
+#include "shading/pixel_context.h"
 
 namespace kairos {
 

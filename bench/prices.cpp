@@ -1,0 +1,80 @@
+// What rays cost in a shot, and the counts from which `auto` estimates that where nobody has measured: what
+// bench/fit_prices.py fits one to the other by.
+//
+// usage: bench_prices SCENE... [--size WxH] [--frame F] [--shutter OPEN,CLOSE] [--camera NAME] [--instances WHICH]
+//                     [--csv FILE]
+//
+// With normals; one thread, processor time. For the CSV file: discrete_ns, still_ns and, for 1, 4 and 16 in a pixel,
+// tc_ns (see Calibration); for as many, and with 0 for rays of a sixteenth of the shutter (see WorkSample), nodes,
+// triangles, solves, hits, segments, evaluations and layers of a ray; placed: see there; anything_still, 0 or 1.
+#include <algorithm>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "base/parallel.h"
+#include "integrators/shot_parts.h"
+#include "measuring.h"
+#include "policy/ray_prices.h"
+#include "render/measure_rays.h"
+#include "shot_choice.h"
+
+namespace kairos::bench {
+namespace {
+
+void measure(const Shot& shot, Rows& rows) {
+  ShotParts parts(shot);
+  RenderParams params;
+  params.shading = ShadingKind::normal;
+  Monitor monitor(kMeasuringSteps);
+  const Calibration costs = measure_rays(parts, params, monitor);
+  rows.add("discrete_ns", costs.discrete_sample);
+  rows.add("still_ns", costs.still_ray);
+  for (size_t i = 0; i < Calibration::kRays.size(); ++i) rows.add("tc_ns", Calibration::kRays[i], 0, costs.tc_ray[i]);
+
+  const PixelContext context{CameraRays(shot.projection), Sampler(params.sampler, Tracer::kMaxPacket, params.seed),
+                             PixelFilter(params.filter), parts.shader(params.shading, false, params.max_depth, 0, true),
+                             shot.seen_background()};
+  // As auto does, but for surfaces that let light through.
+  const Tracer& tracer = parts.tracer(std::nullopt, true);
+  const WorkSample work = sample_ray_work(context, shot, parts.motion_mask(context.filter.radius(), std::nullopt),
+                                          tracer, &parts.discrete(0), choose_packets(context, shot.projection, tracer),
+                                          shading_options(shot, params, context.needs));
+  const auto add = [&](int rays, const RayWork& of) {
+    rows.add("nodes", rays, 0, of.nodes);
+    rows.add("triangles", rays, 0, of.triangles);
+    rows.add("solves", rays, 0, of.root_solves);
+    rows.add("hits", rays, 0, of.hits);
+    rows.add("segments", rays, 0, of.segments);
+    rows.add("evaluations", rays, 0, of.evaluations);
+    rows.add("layers", rays, 0, of.layers);
+  };
+  add(0, work.instant);
+  rows.add("placed", work.placed);
+  for (size_t i = 0; i < Calibration::kRays.size(); ++i) add(Calibration::kRays[i], work.tc[i]);
+  rows.add("anything_still",
+           std::any_of(shot.meshes.begin(), shot.meshes.end(), [](const Mesh& mesh) { return mesh.is_static(); }));
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("What rays cost, and the counts of their work");
+  const ShotChoice choice(app, "960x540");
+  std::string csv;
+  app.add_option("--csv", csv, "The file to write; standard output, if not given");
+  CLI11_PARSE(app, argc, argv);
+  Rows rows(csv);
+  with_threads(1, [&] { measure(choice.make(false), rows); });
+  return 0;
+}
+
+}  // namespace
+}  // namespace kairos::bench
+
+int main(int argc, char** argv) {
+  try {
+    return kairos::bench::run(argc, argv);
+  } catch (const kairos::Error& error) {
+    fmt::print(stderr, "bench_prices: {}\n", error.what());
+    return 1;
+  }
+}
