@@ -24,6 +24,10 @@ void add_sampling_options(CLI::App& app, SamplingArguments& out) {
   add_choice(app, "--shadows", params.shadows,
              "How shadows of point, spot and directional lights are found. exact: in time, wherever surface, light "
              "and camera rest; sampled: at the instants of shading samples; auto: exact where it is worth it");
+  add_choice(
+      app, "--cells", params.cells,
+      "Of lit pictures. on: light that arrives at a cell of a surface counts for all pixels that see it while it "
+      "moves; off: each looks for its own; auto: on where all moves as one, but for qmc");
   add_count(app, "--spp", params.spp, 1, kMostSamples,
             "Samples per pixel of qmc; of mixed: discrete rays; of auto: the budget");
   add_choice(app, "--sampler", params.sampler, "Where in the pixel, and when, samples are taken");

@@ -41,6 +41,9 @@ template <>
 inline constexpr auto kNames<Clusters> = std::to_array<Named<Clusters>>(
     {{"auto", Clusters::automatic}, {"on", Clusters::on}, {"pixel", Clusters::pixel}, {"off", Clusters::off}});
 template <>
+inline constexpr auto kNames<Cells> =
+    std::to_array<Named<Cells>>({{"auto", Cells::automatic}, {"on", Cells::on}, {"off", Cells::off}});
+template <>
 inline constexpr auto kNames<Shadows> = std::to_array<Named<Shadows>>({{"auto", Shadows::automatic},
                                                                        {"sampled", Shadows::sampled},
                                                                        {"exact", Shadows::exact}});

@@ -54,6 +54,16 @@ enum class Shadows {
   sampled,    ///< by discrete rays, at the instants of shading samples
   exact,      ///< in time, wherever surface, light and camera rest; elsewhere sampled
 };
+/// Does light that arrives at a point of a surface count for all pixels that see the point while it moves? Of lit
+/// pictures under a mean over the shutter, and seen through nothing blended by time-continuous rays. Light is then
+/// blurred by a cell of the surface, of about 0.7 to 2 pixels, the smaller the more samples there are. docs/method.md,
+/// "Surface cells".
+enum class Cells {
+  automatic,  ///< of `tc`, `mixed` and `automatic`, where all that is seen moves as one, as it does before a camera
+              ///< that moves in a world at rest, and by some pixels
+  on,
+  off,  ///< every pixel looks for its light by itself
+};
 enum class FilterKind {
   box,              ///< the pixel itself
   gaussian,         ///< standard deviation 0.5 px, cut at 1.5 px
@@ -115,6 +125,7 @@ struct RenderParams {
   double shading_interval = 0;
   Clusters clusters = Clusters::automatic;
   Shadows shadows = Shadows::automatic;  ///< `qmc`, and without clusters by pixel: sampled
+  Cells cells = Cells::automatic;
   int spp = 64;  ///< qmc: samples per pixel; mixed: rays to what stands still; automatic: the budget, in the
                  ///< time of samples of qmc, on average over the pixels; 1 to 2^20
   SamplerKind sampler = SamplerKind::owen_sobol;

@@ -23,6 +23,9 @@ class PixelCone {
     return start_ + spread_ * std::abs(dot(point - to_double(ray.origin), direction)) / dot(direction, direction);
   }
 
+  /// The same `dist` along the ray, in lengths of its direction.
+  double width_at(float dist) const { return start_ + spread_ * static_cast<double>(dist); }
+
   /// By how much the width grows along a unit of length, of rays near the view axis.
   double spread() const { return spread_; }
 

@@ -23,16 +23,18 @@ void RecordTile::clear() {
   still_rays.clear();
   parts.clear();
   knots.clear();
+  surfaces.clear();
   for (auto* first : {&first_ray, &first_still, &first_part, &first_knot}) first->assign(1, 0);
 }
 
-void RecordTile::add(const PixelRecord& record) {
+void RecordTile::add(const PixelRecord& record, bool keep_surfaces) {
   heads.push_back({record.window.begin, record.window.end, record.background, record.still.share, record.still.own,
                    record.moves ? 1u : 0u, record.plan});
   append_all(rays, first_ray, record.rays);
   append_all(still_rays, first_still, record.still.rays);
   append_all(parts, first_part, record.parts);
   append_all(knots, first_knot, record.knots);
+  if (keep_surfaces) surfaces.insert(surfaces.end(), record.surfaces.begin(), record.surfaces.end());
 }
 
 PixelRecord RecordTile::record(size_t pixel, int x, int y) const {
@@ -47,6 +49,7 @@ PixelRecord RecordTile::record(size_t pixel, int x, int y) const {
   record.rays = of_pixel(rays, first_ray, pixel);
   record.parts = of_pixel(parts, first_part, pixel);
   record.knots = of_pixel(knots, first_knot, pixel);
+  if (!surfaces.empty()) record.surfaces = of_pixel(surfaces, first_knot, pixel);
   record.still = {of_pixel(still_rays, first_still, pixel), head.still_own, head.still_share};
   return record;
 }

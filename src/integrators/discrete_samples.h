@@ -11,6 +11,7 @@
 #include "discrete/discrete_scene.h"
 #include "integrators/integrator.h"
 #include "shading/exact_shadows.h"
+#include "shading/look_ups.h"
 
 namespace kairos {
 
@@ -18,7 +19,8 @@ namespace kairos {
 /// thread's scratch memory.
 class SeenByRays {
  public:
-  explicit SeenByRays(const Shader& shader) : shader_(shader) {}
+  /// look_ups: where not null, takes what would be shaded: knots get their colours later.
+  explicit SeenByRays(const Shader& shader, LookUps* look_ups = nullptr) : shader_(shader), look_ups_(look_ups) {}
 
   /// Shades them all; key_of(i): of ray number i. For each ray in turn, calls add_ray(number, first part, parts).
   /// shadows: where they are exact, resting lights shine as if nothing passed before them; null: nowhere.
@@ -29,16 +31,21 @@ class SeenByRays {
     for (size_t i = 0; i < rays.size(); ++i)
       if (const auto& hit = hits[i]) {
         const bool exact = shadows != nullptr && shadows->on(hit->mesh);
-        queries_.push_back({rays[i], hit->mesh, hit->triangle, times[i], 0, key_of(i),
+        queries_.push_back({rays[i], hit->mesh, hit->triangle, times[i], shader_.width_at(hit->dist), key_of(i),
                             exact ? RestingLights::as_if_none_passed : RestingLights::as_is});
       }
     shades_.resize(queries_.size());
-    shader_.shade(queries_, shades_);
+    if (look_ups_ == nullptr)
+      shader_.shade(queries_, shades_);
+    else if (out.keeps_surfaces())
+      for (size_t i = 0; i < queries_.size(); ++i)
+        shades_[i] = shader_.surface(queries_[i].ray, queries_[i].mesh, queries_[i].triangle, queries_[i].time);
     size_t next = 0;
     for (size_t i = 0; i < rays.size(); ++i) {
       const uint32_t first = out.part_count();
       const float time = times[i];
       if (const auto& hit = hits[i]) {
+        if (look_ups_ != nullptr) look_ups_->link(out.knot_count(), look_ups_->add(queries_[next]));
         const Shade& shade = shades_[next++];
         const uint32_t knot = out.add_knot(time, shade.colour, shade.normal, shade.albedo);
         out.add_part({{time, time, hit->dist, hit->dist, hit->mesh, hit->triangle, hit->front}, knot});
@@ -52,6 +59,7 @@ class SeenByRays {
 
  private:
   const Shader& shader_;
+  LookUps* const look_ups_;
   std::vector<ShadingQuery> queries_;
   std::vector<Shade> shades_;
 };
@@ -59,8 +67,8 @@ class SeenByRays {
 /// One thread's scratch memory.
 class DiscreteSamples {
  public:
-  DiscreteSamples(const PixelContext& context, const DiscreteScene& scene)
-      : context_(context), scene_(scene), seen_(context.shader) {}
+  DiscreteSamples(const PixelContext& context, const DiscreteScene& scene, LookUps* look_ups = nullptr)
+      : context_(context), scene_(scene), seen_(context.shader, look_ups), shades_now_(look_ups == nullptr) {}
 
   /// Samples [begin, end) of pixel (x, y), in their order. Those of one pixel lie next to each other and go through the
   /// scene together.
@@ -94,12 +102,14 @@ class DiscreteSamples {
   }
 
   uint64_t ray_count() const { return ray_count_; }
-  uint64_t hit_count() const { return hit_count_; }  ///< as many are shaded
+  uint64_t hit_count() const { return hit_count_; }
+  uint64_t evaluations() const { return shades_now_ ? hit_count_ : 0; }
 
  private:
   const PixelContext& context_;
   const DiscreteScene& scene_;
   SeenByRays seen_;
+  bool shades_now_;
   std::array<Ray, kRaysPerPoll> rays_;
   std::array<Vec2f, kRaysPerPoll> film_{};
   std::array<float, kRaysPerPoll> times_{};

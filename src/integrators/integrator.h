@@ -29,6 +29,9 @@ class Integrator {
   /// same for any crop.
   virtual void prepare(Monitor& /*monitor*/, RenderStats& /*stats*/) {}
   virtual std::unique_ptr<Worker> make_worker() const = 0;
+  /// Pixels of a square of this side, aligned to the frame, are best asked for one after the other, of one worker. 0:
+  /// any order will do.
+  virtual int tile_side() const { return 0; }
 };
 
 /// A slow pixel must not keep one waiting: poll the monitor once per this many rays.

@@ -23,7 +23,11 @@ class MixedIntegrator : public Integrator {
     }
   }
 
-  std::unique_ptr<Worker> make_worker() const override { return std::make_unique<MixedWorker>(frame_); }
+  std::unique_ptr<Worker> make_worker() const override {
+    return make_cell_worker(frame_.cells, frame_.context,
+                            [this](LookUps* look_ups) { return std::make_unique<MixedWorker>(frame_, look_ups); });
+  }
+  int tile_side() const override { return frame_.cells.side; }
 
   void prepare(Monitor& monitor, RenderStats& stats) override {
     if (frame_.automatic && !frame_.mask.empty()) stats.prices = frame_.plan.prices;

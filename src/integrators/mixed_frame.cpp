@@ -31,6 +31,15 @@ bool has_still_mesh(const Shot& shot) {
   return std::any_of(shot.meshes.begin(), shot.meshes.end(), [](const Mesh& mesh) { return mesh.is_static(); });
 }
 
+CellPlan plan_frame_cells(const Shot& shot, const RenderParams& params, const RecordNeeds& needs,
+                          const ShadingOptions& shading) {
+  if (shading.clusters != Clusters::pixel) return {};
+  // Time-continuous rays of `auto` cost about as many discrete samples as they are shaded.
+  const double look_ups =
+      params.integrator == IntegratorKind::automatic ? params.spp : params.tc_rays * shading.samples;
+  return plan_cells(shot, params, needs, look_ups);
+}
+
 }  // namespace
 
 MixedFrame::MixedFrame(ShotParts& parts, const RenderParams& render_params, const PixelContext& pixel_context)
@@ -44,6 +53,7 @@ MixedFrame::MixedFrame(ShotParts& parts, const RenderParams& render_params, cons
       race_points{Sampler(params.sampler, context.sampler.count(), hash(params.seed, kRaceSeed, 0)),
                   Sampler(params.sampler, context.sampler.count(), hash(params.seed, kRaceSeed, 1))},
       shading(shading_options(parts.shot(), params, context.needs)),
+      cells(plan_frame_cells(parts.shot(), params, context.needs, shading)),
       mask(parts.motion_mask(context.filter.radius(), params.crop)),
       scene(parts.discrete(params.discrete_keys)),
       occluder_hints(!has_still_blended(shot, context.shader)),

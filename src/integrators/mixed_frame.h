@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "discrete/discrete_scene.h"
+#include "integrators/cell_tiles.h"
 #include "integrators/frame_plan.h"
 #include "integrators/integrator.h"
 #include "motion/motion_mask.h"
@@ -45,6 +46,7 @@ class MixedFrame {
   const Sampler share_points;
   const std::array<Sampler, 2> race_points;
   const ShadingOptions shading;
+  const CellPlan cells;  ///< where light is shared, pixels are not looked at beforehand: all get the budget
   const MotionMask& mask;
   const DiscreteScene& scene;
   const bool occluder_hints;  ///< are still rays traced first, as occluder hints?

@@ -20,12 +20,12 @@ double squared_error(const std::array<Vec3f, 2>& pair) {
 
 }  // namespace
 
-MixedWorker::MixedWorker(const MixedFrame& frame)
+MixedWorker::MixedWorker(const MixedFrame& frame, LookUps* look_ups)
     : frame_(frame),
       context_(frame.context),
-      shading_(context_.shader, frame.tc_shading()),
-      still_layer_(context_, frame.scene),
-      samples_(context_, frame.scene),
+      shading_(context_.shader, frame.tc_shading(), look_ups),
+      still_layer_(context_, frame.scene, look_ups),
+      samples_(context_, frame.scene, look_ups),
       contrast_(frame.shot.seen_background()),
       record_(context_.needs.surfaces()) {
   if (frame.resting_shadows) resting_.emplace(*frame.resting_shadows);
@@ -170,7 +170,7 @@ void MixedWorker::add_ray_counts(RenderStats& stats) const {
   if (resting_) stats.counters += resting_->counters();
   stats.rays += workspace_.counters().rays + samples_.ray_count() + still_layer_.ray_count() + share_rays_;
   stats.segments += workspace_.counters().segments + samples_.hit_count();
-  stats.shading_samples += shading_.evaluations() + samples_.hit_count() + still_layer_.evaluations();
+  stats.shading_samples += shading_.evaluations() + samples_.evaluations() + still_layer_.evaluations();
 }
 
 /// Where something that stands still covers a part of the pixel in front of what moves, its outline is the noise,

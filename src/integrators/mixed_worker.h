@@ -25,7 +25,8 @@ namespace kairos {
 
 class MixedWorker : public Integrator::Worker {
  public:
-  explicit MixedWorker(const MixedFrame& frame);
+  /// look_ups: see MakeWorker.
+  explicit MixedWorker(const MixedFrame& frame, LookUps* look_ups = nullptr);
 
   const PixelRecord& render_pixel(int x, int y, Monitor& monitor) override;
   void add_counts(RenderStats& stats) const override;

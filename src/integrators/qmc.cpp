@@ -1,5 +1,6 @@
 // Discrete rays: each sees one instant.
 #include "discrete/discrete_scene.h"
+#include "integrators/cell_tiles.h"
 #include "integrators/discrete_samples.h"
 #include "integrators/integrator.h"
 
@@ -9,15 +10,22 @@ namespace {
 
 class QmcIntegrator : public Integrator {
  public:
-  QmcIntegrator(const DiscreteScene& scene, const PixelContext& context) : context_(context), scene_(scene) {}
+  QmcIntegrator(const Shot& shot, const DiscreteScene& scene, const RenderParams& params, const PixelContext& context)
+      : context_(context), scene_(scene), cells_(plan_cells(shot, params, context.needs, params.spp)) {}
 
-  std::unique_ptr<Worker> make_worker() const override { return std::make_unique<QmcWorker>(*this); }
+  std::unique_ptr<Worker> make_worker() const override {
+    return make_cell_worker(cells_, context_,
+                            [this](LookUps* look_ups) { return std::make_unique<QmcWorker>(*this, look_ups); });
+  }
+  int tile_side() const override { return cells_.side; }
 
  private:
   class QmcWorker : public Worker {
    public:
-    explicit QmcWorker(const QmcIntegrator& integrator)
-        : context_(integrator.context_), samples_(context_, integrator.scene_), record_(context_.needs.surfaces()) {}
+    QmcWorker(const QmcIntegrator& integrator, LookUps* look_ups)
+        : context_(integrator.context_),
+          samples_(context_, integrator.scene_, look_ups),
+          record_(context_.needs.surfaces()) {}
 
     const PixelRecord& render_pixel(int x, int y, Monitor& monitor) override {
       record_.begin_pixel(x, y, context_.background, context_.times(x, y).window());
@@ -30,7 +38,7 @@ class QmcIntegrator : public Integrator {
     void add_counts(RenderStats& stats) const override {
       stats.rays += samples_.ray_count();
       stats.segments += samples_.hit_count();
-      stats.shading_samples += samples_.hit_count();
+      stats.shading_samples += samples_.evaluations();
     }
 
    private:
@@ -41,13 +49,14 @@ class QmcIntegrator : public Integrator {
 
   const PixelContext& context_;
   const DiscreteScene& scene_;
+  CellPlan cells_;
 };
 
 }  // namespace
 
 std::unique_ptr<Integrator> make_qmc_integrator(ShotParts& parts, const RenderParams& params,
                                                 const PixelContext& context) {
-  return std::make_unique<QmcIntegrator>(parts.discrete(params.discrete_keys), context);
+  return std::make_unique<QmcIntegrator>(parts.shot(), parts.discrete(params.discrete_keys), params, context);
 }
 
 }  // namespace kairos

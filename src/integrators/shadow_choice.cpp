@@ -96,6 +96,7 @@ void choose_shadows(MixedFrame& frame, Monitor& monitor) {
   // In smaller pictures looks would take more than they could save.
   const bool leaves_open = frame.params.shadows == Shadows::automatic;
   if (leaves_open && pixels_of(frame) < 10 * kLeastShadowLooks) return;
+  if (frame.cells.side > 0) return;  // colours, of which shadows are taken, come later there
   const bool may_trace = !frame.mask.empty() && (!frame.automatic || frame.plan.allotment.buys_tc());
   if (may_trace)
     frame.plan.exact_shadows =

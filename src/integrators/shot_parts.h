@@ -22,9 +22,9 @@ namespace kairos {
 struct FramePlan;
 
 /// Everything of a picture's parameters that a FramePlan depends on; so not its crop, channels or threads.
-using PlanKey = std::tuple<IntegratorKind, int, int, Clusters, Shadows, int, SamplerKind, ShadingKind, int, float,
-                           FilterKind, uint64_t, std::optional<InstructionSet>, std::optional<std::array<double, 5>>,
-                           int, double, RecordNeeds::Time>;
+using PlanKey = std::tuple<IntegratorKind, int, int, Clusters, Shadows, Cells, int, SamplerKind, ShadingKind, int,
+                           float, FilterKind, uint64_t, std::optional<InstructionSet>,
+                           std::optional<std::array<double, 5>>, int, double, RecordNeeds::Time>;
 PlanKey plan_key(const RenderParams& params, const RecordNeeds& needs);
 
 /// Each part is made when it is first asked for. Reads the shot, which must outlive it. Not to be used from two threads

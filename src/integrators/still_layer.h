@@ -16,8 +16,9 @@ namespace kairos {
 /// The first rays of a pixel through what stands still, traced when they are first needed. One thread's scratch memory.
 class StillLayer {
  public:
-  StillLayer(const PixelContext& context, const DiscreteScene& scene)
-      : context_(context), scene_(scene), seen_(context.shader) {}
+  /// look_ups: see SeenByRays.
+  StillLayer(const PixelContext& context, const DiscreteScene& scene, LookUps* look_ups = nullptr)
+      : context_(context), scene_(scene), seen_(context.shader, look_ups), shades_now_(look_ups == nullptr) {}
 
   /// align: of the pixel's time-continuous rays, among which these are to lie.
   void begin_pixel(int x, int y, const Sampler::Pixel& pixel, const AlignedPoints& align) {
@@ -60,7 +61,7 @@ class StillLayer {
         out,
         [&](size_t i, uint32_t first, uint32_t parts) {
           out.add_still_ray({film_[begin + i], 1, times_[begin + i], first, parts, 0});
-          evaluations_ += hits_[begin + i].has_value();
+          evaluations_ += shades_now_ && hits_[begin + i].has_value();
         },
         shadows);
   }
@@ -91,6 +92,7 @@ class StillLayer {
   const PixelContext& context_;
   const DiscreteScene& scene_;
   SeenByRays seen_;
+  bool shades_now_;
   int x_ = 0, y_ = 0;
   Sampler::Pixel pixel_;
   AlignedPoints align_;

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "integrators/cell_tiles.h"
 #include "integrators/frame_plan.h"
 #include "integrators/integrator.h"
 #include "integrators/shadow_choice.h"
@@ -21,23 +22,27 @@ class TcIntegrator : public Integrator {
  public:
   /// mask: null to leave the points of a pixel where they are.
   /// scene: where the plan has exact shadows.
-  TcIntegrator(const FramePlan& plan, const MotionMask* mask, const Tracer& tracer, const DiscreteScene* scene,
-               ShadingOptions shading, const PixelContext& context)
-      : context_(context), shading_(shading), mask_(mask), tracer_(tracer), packets_(plan.packets) {
+  TcIntegrator(const FramePlan& plan, const CellPlan& cells, const MotionMask* mask, const Tracer& tracer,
+               const DiscreteScene* scene, ShadingOptions shading, const PixelContext& context)
+      : context_(context), shading_(shading), cells_(cells), mask_(mask), tracer_(tracer), packets_(plan.packets) {
     if (plan.exact_shadows.empty()) return;
     shadows_.emplace(context.shader, tracer, *scene, plan.exact_shadows);
     shading_.shadows = &*shadows_;
   }
 
-  std::unique_ptr<Worker> make_worker() const override { return std::make_unique<TcWorker>(*this); }
+  std::unique_ptr<Worker> make_worker() const override {
+    return make_cell_worker(cells_, context_,
+                            [this](LookUps* look_ups) { return std::make_unique<TcWorker>(*this, look_ups); });
+  }
+  int tile_side() const override { return cells_.side; }
 
  private:
   class TcWorker : public Worker {
    public:
-    explicit TcWorker(const TcIntegrator& integrator)
+    TcWorker(const TcIntegrator& integrator, LookUps* look_ups)
         : integrator_(integrator),
           context_(integrator.context_),
-          shading_(integrator.context_.shader, integrator.shading_),
+          shading_(integrator.context_.shader, integrator.shading_, look_ups),
           record_(context_.needs.surfaces()) {}
 
     const PixelRecord& render_pixel(int x, int y, Monitor& monitor) override {
@@ -97,6 +102,7 @@ class TcIntegrator : public Integrator {
   const PixelContext& context_;
 
   ShadingOptions shading_;
+  CellPlan cells_;
   const MotionMask* mask_;
   const Tracer& tracer_;
   PacketChoice packets_;
@@ -127,7 +133,10 @@ std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderPar
   const MotionMask* mask = context.sampler.count() > 1 && !context.needs.over_time()
                                ? &parts.motion_mask(context.filter.radius(), params.crop)
                                : nullptr;
-  return std::make_unique<TcIntegrator>(plan, mask, tracer, scene, shading, context);
+  CellPlan cells;
+  if (shading.clusters == Clusters::pixel)
+    cells = plan_cells(parts.shot(), params, context.needs, params.tc_rays * shading.samples);
+  return std::make_unique<TcIntegrator>(plan, cells, mask, tracer, scene, shading, context);
 }
 
 }  // namespace kairos

@@ -127,17 +127,20 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 void render_tiles(const Integrator& integrator, std::span<PixelConsumer* const> consumers, const Crop& crop,
                   Monitor& monitor, RenderStats& stats) {
-  const int tile_width = kTileSize * kTileSize / std::min(kTileSize, crop.y1 - crop.y0);
-  const int columns = (crop.x1 - crop.x0 + tile_width - 1) / tile_width;
-  const int rows = (crop.y1 - crop.y0 + kTileSize - 1) / kTileSize;
+  const int aligned = integrator.tile_side();
+  const int height = aligned > 0 ? aligned : kTileSize;
+  const int width = aligned > 0 ? aligned : kTileSize * kTileSize / std::min(kTileSize, crop.y1 - crop.y0);
+  const int first_x = aligned > 0 ? crop.x0 - crop.x0 % aligned : crop.x0;
+  const int first_y = aligned > 0 ? crop.y0 - crop.y0 % aligned : crop.y0;
+  const int columns = (crop.x1 - first_x + width - 1) / width, rows = (crop.y1 - first_y + height - 1) / height;
   std::mutex mutex;  // of stats
   parallel_for(static_cast<size_t>(columns) * static_cast<size_t>(rows), 1, [&](size_t first_tile, size_t last_tile) {
     const auto worker = integrator.make_worker();
     for (size_t tile = first_tile; tile < last_tile; ++tile) {
-      const int left = crop.x0 + static_cast<int>(tile % static_cast<size_t>(columns)) * tile_width;
-      const int top = crop.y0 + static_cast<int>(tile / static_cast<size_t>(columns)) * kTileSize;
-      for (int y = top; y < std::min(top + kTileSize, crop.y1); ++y)
-        for (int x = left; x < std::min(left + tile_width, crop.x1); ++x) {
+      const int left = first_x + static_cast<int>(tile % static_cast<size_t>(columns)) * width;
+      const int top = first_y + static_cast<int>(tile / static_cast<size_t>(columns)) * height;
+      for (int y = std::max(top, crop.y0); y < std::min(top + height, crop.y1); ++y)
+        for (int x = std::max(left, crop.x0); x < std::min(left + width, crop.x1); ++x) {
           const auto has_it = [&](const PixelConsumer* consumer) { return consumer->has(x, y); };
           if (consumers.empty() || !std::all_of(consumers.begin(), consumers.end(), has_it)) {
             const PixelRecord& record = worker->render_pixel(x, y, monitor);
@@ -191,6 +194,7 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
     put("kairos:clusters", std::string(to_string(clusters_of(params))));
     if (is_lit(params.shading)) put("kairos:shadows", std::string(to_string(params.shadows)));
   }
+  if (is_lit(params.shading)) put("kairos:cells", std::string(to_string(params.cells)));
   if (params.integrator == IntegratorKind::automatic) put("kairos:calibration", calibration_text(params.calibration));
   put("kairos:sampler", std::string(to_string(params.sampler)));
   put("kairos:shading", std::string(to_string(params.shading)));

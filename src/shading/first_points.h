@@ -15,12 +15,12 @@ namespace kairos {
 /// not.
 inline bool is_lit(const SurfacePoint& point) { return point.face != Vec3d{} && !point.material->unlit; }
 
-/// Calls colour_of(query, point, scatter, punctual, instant) for each query and keeps what it returns, if that is
-/// finite. Scatter: see DirectLight; made of a point. punctual: what point, spot and directional lights that are each
-/// asked bring, whose shadow rays have gone through the scene together.
-template <class Scatter, class ColourOf>
-void shade_together(std::span<const ShadingQuery> queries, std::span<Vec3f> colours, const SurfacePoints& surfaces,
-                    const DirectLight<Scatter>& direct, const ColourOf& colour_of) {
+/// Calls use(number, point, scatter, punctual, instant) for each query. Scatter: see DirectLight; made of a point.
+/// punctual: what point, spot and directional lights that are each asked bring, whose shadow rays have gone through the
+/// scene together; zero unless with_asked.
+template <class Scatter, class Use>
+void visit_together(std::span<const ShadingQuery> queries, const SurfacePoints& surfaces,
+                    const DirectLight<Scatter>& direct, bool with_asked, const Use& use) {
   constexpr size_t kQueriesAtOnce = 64;
   std::vector<SampleInstant> instants;
   std::vector<SurfacePoint> points;
@@ -38,12 +38,21 @@ void shade_together(std::span<const ShadingQuery> queries, std::span<Vec3f> colo
       scatters.emplace_back(points.back());
     }
     std::fill(punctual.begin(), punctual.end(), Vec3f{});
-    direct.add_asked(points, scatters, instants, std::span(punctual).first(some.size()), some);
-    for (size_t i = 0; i < some.size(); ++i) {
-      const Vec3f colour = colour_of(some[i], points[i], scatters[i], punctual[i], instants[i]);
-      colours[begin + i] = is_finite(colour) ? colour : Vec3f{};
-    }
+    if (with_asked) direct.add_asked(points, scatters, instants, std::span(punctual).first(some.size()), some);
+    for (size_t i = 0; i < some.size(); ++i) use(begin + i, points[i], scatters[i], punctual[i], instants[i]);
   }
+}
+
+/// Keeps what colour_of(query, point, scatter, punctual, instant) returns for each query, if that is finite.
+template <class Scatter, class ColourOf>
+void shade_together(std::span<const ShadingQuery> queries, std::span<Vec3f> colours, const SurfacePoints& surfaces,
+                    const DirectLight<Scatter>& direct, bool with_asked, const ColourOf& colour_of) {
+  visit_together(
+      queries, surfaces, direct, with_asked,
+      [&](size_t i, const SurfacePoint& point, const Scatter& scatter, Vec3f punctual, const SampleInstant& instant) {
+        const Vec3f colour = colour_of(queries[i], point, scatter, punctual, instant);
+        colours[i] = is_finite(colour) ? colour : Vec3f{};
+      });
 }
 
 /// What a query sees, and what resting lights bring there.

@@ -11,6 +11,7 @@
 #include "math/hash.h"
 #include "pixel/record_builder.h"
 #include "shading/exact_shadows.h"
+#include "shading/look_ups.h"
 #include "shading/segment_shading.h"
 #include "shading/shader.h"
 
@@ -29,13 +30,14 @@ namespace kairos {
 class ListedShading {
  public:
   /// shadows: null where all are sampled.
-  explicit ListedShading(const Shader& shader, const ExactShadows* shadows = nullptr)
-      : shader_(shader), shadows_(shadows) {}
+  /// look_ups: where not null, takes the samples in place of the shader: knots get their colours later.
+  explicit ListedShading(const Shader& shader, const ExactShadows* shadows = nullptr, LookUps* look_ups = nullptr)
+      : shader_(shader), shadows_(shadows), look_ups_(look_ups) {}
 
   /// samples: per ray that sees something all the time. Appends the parts of all rays' segments to `out`, ray by ray,
   /// and for each ray to `ends` the number of parts after it: they cover exactly what its segments cover, and each is
   /// part of one of them, with its own normal and albedo where `out` keeps such; of the sky where pictures of it are
-  /// seen. phases: see PacketShading::Packet. Returns the number of evaluations.
+  /// seen. phases: see PacketShading::Packet. Returns the number of evaluations made.
   uint64_t shade(std::span<const Ray> rays, std::span<const SeenByRay> seen, std::span<const float> phases,
                  const TimeRange& window, double samples, uint64_t pixel_seed, uint32_t first_ray, RecordBuilder& out,
                  std::vector<uint32_t>& ends) {
@@ -52,9 +54,9 @@ class ListedShading {
     if (count > 0) take_samples(rays, phases, count, hash(pixel_seed, kListDimension, first_ray));
     first_knot_ = out.add_knots(out.keeps_surfaces() ? 0 : count);
     if (!out.keeps_surfaces())
-      for (uint32_t i = 0; i < count; ++i) out.set_knot(first_knot_ + i, queries_[i].time, shades_[i].colour, {}, {});
+      for (uint32_t i = 0; i < count; ++i) set_knot(out, first_knot_ + i, i);
     hand_out(rays, seen, window, out, ends);
-    return count;
+    return look_ups_ == nullptr ? count : 0;
   }
 
   TraceCounters shadow_counters() const { return steps_.counters(); }
@@ -123,13 +125,34 @@ class ListedShading {
                             segment.mesh,
                             segment.triangle,
                             time,
-                            0,
+                            look_ups_ == nullptr ? 0 : shader_.width_at(distance_at(segment, time)),
                             {seed, list.first_sample + i},
                             list_of(segment.mesh) == 1 ? RestingLights::left_out : RestingLights::as_is});
       }
     }
-    shades_.resize(count);
-    shader_.shade(queries_, shades_);
+    if (look_ups_ == nullptr) {
+      shades_.resize(count);
+      shader_.shade(queries_, shades_);
+    } else {
+      first_look_up_ = look_ups_->count();
+      for (const ShadingQuery& query : queries_) look_ups_->add(query);
+      shades_.assign(count, {});
+    }
+  }
+
+  /// Of a sample, without normal and albedo.
+  void set_knot(RecordBuilder& out, uint32_t knot, uint32_t sample) {
+    out.set_knot(knot, queries_[sample].time, shades_[sample].colour, {}, {});
+    wait(knot, sample);
+  }
+  /// A knot with a sample's colour, or what is to be added to it.
+  uint32_t add_knot(RecordBuilder& out, float time, Vec3f colour, const Shade& own, uint32_t sample) {
+    const uint32_t knot = out.add_knot(time, colour, own.normal, own.albedo);
+    wait(knot, sample);
+    return knot;
+  }
+  void wait(uint32_t knot, uint32_t sample) {
+    if (look_ups_ != nullptr) look_ups_->link(knot, first_look_up_ + sample);
   }
 
   /// Cuts segments where one stretch of their list ends and the next begins.
@@ -172,9 +195,10 @@ class ListedShading {
     for (const auto& step : steps_.steps()) {
       if (!(step.end > begin)) continue;
       const float until = std::min(end, step.end), middle = begin + (until - begin) * 0.5f;
-      const Vec3f colour = shader_.limited(shades_[sample].colour + step.light);
+      const Vec3f sum = shades_[sample].colour + step.light;
+      const Vec3f colour = look_ups_ == nullptr ? shader_.limited(sum) : sum;
       const Shade own = out.keeps_surfaces() ? shader_.surface(ray, segment.mesh, segment.triangle, middle) : Shade{};
-      out.add_part(part_of(segment, begin, until, out.add_knot(middle, colour, own.normal, own.albedo)));
+      out.add_part(part_of(segment, begin, until, add_knot(out, middle, colour, own, sample)));
       begin = until;
       if (!(begin < end)) return;
     }
@@ -197,16 +221,17 @@ class ListedShading {
     }
   }
 
-  uint32_t knot(const Ray& ray, const Segment& segment, float begin, float end, uint32_t sample,
-                RecordBuilder& out) const {
+  uint32_t knot(const Ray& ray, const Segment& segment, float begin, float end, uint32_t sample, RecordBuilder& out) {
     if (!out.keeps_surfaces()) return first_knot_ + sample;
     const float time = begin + (end - begin) * 0.5f;
     const Shade own = shader_.surface(ray, segment.mesh, segment.triangle, time);
-    return out.add_knot(time, shades_[sample].colour, own.normal, own.albedo);
+    return add_knot(out, time, shades_[sample].colour, own, sample);
   }
 
   const Shader& shader_;
   const ExactShadows* const shadows_;
+  LookUps* const look_ups_;
+  uint32_t first_look_up_ = 0;  // of the pixel's samples
   std::vector<Entry> entries_;  // list by list
   std::array<List, 2> lists_;
   std::vector<double> before_;  // [number of a segment]: what lies before it in its list

@@ -1,6 +1,7 @@
 // How lit surfaces get their colour: the interface of Whitted's shading and of path tracing.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -34,6 +35,14 @@ struct RestingLight {
   Vec3f radiance;  ///< that leaves the surface to the viewer
 };
 
+/// What a query sees, where what arrives there is shared by all that see the point.
+struct SharedSurface {
+  Vec3f own;                       ///< what nobody shares: emission, mirrors, glass
+  Vec3f reflects;                  ///< times what is shared, it is the rest of what is seen; zero: there is no rest
+  std::array<float, 3> weights{};  ///< of the triangle's vertices
+  bool front = false;              ///< the side on which vertices run counter-clockwise is seen
+};
+
 /// Safe to use from many threads at once.
 class LitShading {
  public:
@@ -43,6 +52,14 @@ class LitShading {
   /// the answer. What is traced on the way are discrete rays at the query's time; those from one pixel to one light go
   /// through the scene together. Both spans of one length. Colours are finite.
   virtual void radiance(std::span<const ShadingQuery> queries, std::span<Vec3f> colours) const = 0;
+
+  /// radiance() in two parts that sum up to it: here what is the query's own. share_asked: does what point, spot and
+  /// directional lights bring that are each asked belong to what is shared, and not to what is own?
+  virtual void own_light(std::span<const ShadingQuery> queries, bool share_asked,
+                         std::span<SharedSurface> surfaces) const = 0;
+  /// And what may be shared, with `reflects` as a factor in it. Of queries for which that is not zero.
+  virtual void shared_light(std::span<const ShadingQuery> queries, bool share_asked,
+                            std::span<Vec3f> colours) const = 0;
 
   /// Appends what each of the point, spot and directional lights that are all asked and stand still brings to what a
   /// query sees, but for those that bring nothing.

@@ -20,11 +20,13 @@ namespace kairos {
 /// One thread's scratch memory. docs/method.md, "Shading samples".
 class PacketShading {
  public:
-  PacketShading(const Shader& shader, const ShadingOptions& options)
+  /// look_ups: of lit pictures, see ListedShading. What is seen through blended surfaces is shaded at once all the
+  /// same.
+  PacketShading(const Shader& shader, const ShadingOptions& options, LookUps* look_ups = nullptr)
       : shader_(shader),
         options_(options),
         single_(shader, of_single_rays(shader, options)),
-        listed_(shader, options.shadows) {}
+        listed_(shader, options.shadows, look_ups) {}
 
   /// The rays of a pixel that are shaded together, as they were traced together.
   struct Packet {

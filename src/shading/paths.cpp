@@ -51,9 +51,35 @@ void Paths::resting_light(const ShadingQuery& query, std::vector<RestingLight>& 
 
 void Paths::radiance(std::span<const ShadingQuery> queries, std::span<Vec3f> colours) const {
   shade_together(
-      queries, colours, points_, direct_,
+      queries, colours, points_, direct_, true,
       [&](const ShadingQuery& query, const SurfacePoint& point, const Scattering& scatter, Vec3f punctual,
           const SampleInstant& instant) { return trace(query.ray, point, scatter, punctual, instant, query.key); });
+}
+
+void Paths::own_light(std::span<const ShadingQuery> queries, bool share_asked,
+                      std::span<SharedSurface> surfaces) const {
+  visit_together(queries, points_, direct_, !share_asked,
+                 [&](size_t i, const SurfacePoint& point, const Scattering& scatter, Vec3f punctual,
+                     const SampleInstant& instant) {
+                   SharedSurface& surface = surfaces[i];
+                   surface = {point.look.emission + punctual, {}, point.weights, point.entering};
+                   if (is_lit(point) && scatter.is_broad()) {
+                     surface.reflects = scatter.reflects();
+                   } else {
+                     if (share_asked) punctual = punctual_at(point, scatter, instant);
+                     surface.own = trace(queries[i].ray, point, scatter, punctual, instant, queries[i].key);
+                   }
+                   if (!is_finite(surface.own)) surface.own = {};
+                 });
+}
+
+void Paths::shared_light(std::span<const ShadingQuery> queries, bool share_asked, std::span<Vec3f> colours) const {
+  shade_together(queries, colours, points_, direct_, share_asked,
+                 [&](const ShadingQuery& query, SurfacePoint point, const Scattering& scatter, Vec3f punctual,
+                     const SampleInstant& instant) {
+                   point.look.emission = {};
+                   return trace(query.ray, point, scatter, punctual, instant, query.key);
+                 });
 }
 
 bool Paths::passes(const SurfacePoint& point, SampleKey key, Vec3f& weight) {

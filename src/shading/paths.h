@@ -30,6 +30,9 @@ class Paths : public LitShading {
         double cone_spread, const PathOptions& options);
 
   void radiance(std::span<const ShadingQuery> queries, std::span<Vec3f> colours) const override;
+  void own_light(std::span<const ShadingQuery> queries, bool share_asked,
+                 std::span<SharedSurface> surfaces) const override;
+  void shared_light(std::span<const ShadingQuery> queries, bool share_asked, std::span<Vec3f> colours) const override;
   void resting_light(const ShadingQuery& query, std::vector<RestingLight>& lights) const override;
 
  private:

@@ -64,6 +64,15 @@ Scattering::Scattering(const SurfacePoint& point)
   is_dark_ = !(even > 0) && (facets_sharp_ || !(facets > 0)) && (coat_sharp_ || !(top > 0));
 }
 
+bool Scattering::is_broad() const {
+  return point_.material->transmission == 0 && !facets_sharp_ && !(point_.material->clearcoat > 0 && coat_sharp_);
+}
+
+Vec3f Scattering::reflects() const {
+  const float coat = 1 - below_;
+  return even_ + reflects(viewer_cosine(point_)) + Vec3f{coat, coat, coat};
+}
+
 Vec3f Scattering::reflects(double cosine) const {
   const Vec3f base = point_.look.base_colour, white{1, 1, 1};
   const auto grazing = static_cast<float>(std::pow(1 - cosine, 5));

@@ -27,6 +27,10 @@ class Scattering {
   double sky_density(Vec3d direction) const { return density(direction); }
   /// Is all of it sharp, or nothing there? Then value() is zero.
   bool is_dark() const { return is_dark_; }
+  /// Is nothing of it sharp, and does nothing come from behind the surface?
+  bool is_broad() const;
+  /// About what it scatters of even light from everywhere.
+  Vec3f reflects() const;
   /// Does light from behind the surface count in value()?
   bool lets_through() const { return refracts_ && !facets_sharp_; }
 

@@ -49,6 +49,15 @@ class Shader {
   /// The same for several, which is cheaper for those of one pixel. Both spans of one length; widths are filled in.
   void shade(std::span<ShadingQuery> queries, std::span<Shade> shades) const;
 
+  /// Of lit pictures, what shade() gives in two parts; see LitShading. `limited` is not yet applied. Queries have their
+  /// widths.
+  void own_light(std::span<const ShadingQuery> queries, bool share_asked, std::span<SharedSurface> surfaces) const {
+    lit_->own_light(queries, share_asked, surfaces);
+  }
+  void shared_light(std::span<const ShadingQuery> queries, bool share_asked, std::span<Vec3f> colours) const {
+    lit_->shared_light(queries, share_asked, colours);
+  }
+
   /// The same but for the colour of what is lit.
   Shade surface(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
     double width = 0;
@@ -63,6 +72,7 @@ class Shader {
   /// [mesh]: where resting_light() may be part of what is seen: opaque things that rest before a camera that does, in a
   /// lit scene in which all that hides anything hides all of it, from both sides.
   std::vector<bool> resting_receivers() const;
+  const Shot& shot() const { return shot_; }
   /// As pictures limit what rays bring.
   Vec3f limited(Vec3f colour) const { return shot_.limited(colour); }
 
@@ -83,6 +93,9 @@ class Shader {
   /// For two visibility segments of a ray, of which the second begins when the first ends: true when its colour goes on
   /// without a jump, so that what is seen of both may be shaded as one.
   bool joined(const Segment& first, const Segment& second) const;
+
+  /// Of a camera ray's cone, `dist` along the ray in lengths of its direction.
+  double width_at(float dist) const { return cone_.width_at(dist); }
 
   /// How much of what is behind a blended surface it hides. See CutOuts.
   float opacity(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {

@@ -43,6 +43,7 @@ SurfacePoint SurfacePoints::at(const Ray& ray, uint32_t mesh_index, uint32_t tri
   p.triangle = triangle;
   p.material = &looks_.material(mesh_index);
   p.look = looks_.at(mesh_index, triangle, vertices, weights, width);
+  p.weights = weights;
   p.position = point_of(vertices, weights);
   p.to_viewer = -normalize(to_double(ray.direction));
   p.face = geometric_normal(vertices);

@@ -22,12 +22,13 @@ struct SurfacePoint {
   const Material* material = nullptr;
   Look look;
   uint32_t mesh = 0, triangle = 0;
-  Vec3d position, to_viewer;  ///< in the shot's space
-  Vec3d face;                 ///< the triangle's normal, unit, on the viewer's side; zero: it has no area
-  Vec3d normal;               ///< the interpolated one, bent by the normal picture, on the viewer's side
-  bool entering = false;      ///< the viewer is on the side that faces outwards
-  double offset = 0;          ///< by which rays start off the surface
-  double width = 0;           ///< of the cone of sight
+  Vec3d position, to_viewer;       ///< in the shot's space
+  Vec3d face;                      ///< the triangle's normal, unit, on the viewer's side; zero: it has no area
+  Vec3d normal;                    ///< the interpolated one, bent by the normal picture, on the viewer's side
+  bool entering = false;           ///< the viewer is on the side that faces outwards
+  std::array<float, 3> weights{};  ///< of the triangle's vertices
+  double offset = 0;               ///< by which rays start off the surface
+  double width = 0;                ///< of the cone of sight
 
   double side_of(Vec3d direction) const { return dot(face, direction) >= 0 ? 1 : -1; }
   /// The start of a ray on the viewer's side (side 1) or on the other (-1).

@@ -72,11 +72,36 @@ void Whitted::resting_light(const ShadingQuery& query, std::vector<RestingLight>
 }
 
 void Whitted::radiance(std::span<const ShadingQuery> queries, std::span<Vec3f> colours) const {
-  shade_together(queries, colours, points_, direct_,
+  shade_together(queries, colours, points_, direct_, true,
                  [&](const ShadingQuery& query, const SurfacePoint& point, const Scatter& scatter, Vec3f punctual,
                      const SampleInstant& instant) {
                    return shade(query.ray, point, scatter, punctual, instant, query.key, 0, 1);
                  });
+}
+
+void Whitted::own_light(std::span<const ShadingQuery> queries, bool share_asked,
+                        std::span<SharedSurface> surfaces) const {
+  visit_together(
+      queries, points_, direct_, !share_asked,
+      [&](size_t i, const SurfacePoint& point, const Scatter& scatter, Vec3f punctual, const SampleInstant& instant) {
+        SharedSurface& surface = surfaces[i];
+        surface = {{}, {}, point.weights, point.entering};
+        if (is_lit(point)) {
+          surface.own =
+              point.look.emission + punctual + followed(queries[i].ray, point, scatter, instant, queries[i].key, 0, 1);
+          surface.reflects = scatter.shares().diffuse + scatter.shares().highlight;
+        } else if (point.face != Vec3d{}) {
+          surface.own = point.look.base_colour;
+        }
+        if (!is_finite(surface.own)) surface.own = {};
+      });
+}
+
+void Whitted::shared_light(std::span<const ShadingQuery> queries, bool share_asked, std::span<Vec3f> colours) const {
+  shade_together(
+      queries, colours, points_, direct_, share_asked,
+      [&](const ShadingQuery& query, const SurfacePoint& point, const Scatter& scatter, Vec3f punctual,
+          const SampleInstant& instant) { return punctual + by_chance(point, scatter, instant, query.key); });
 }
 
 Vec3f Whitted::shade(const Ray& ray, const SurfacePoint& point, const SampleInstant& instant, SampleKey key, int depth,
@@ -91,8 +116,16 @@ Vec3f Whitted::shade(const Ray& ray, const SurfacePoint& point, const Scatter& s
                      const SampleInstant& instant, SampleKey key, int depth, float weight) const {
   if (point.face == Vec3d{}) return {};  // no area
   if (point.material->unlit) return point.look.base_colour;
-  Vec3f colour = point.look.emission + punctual + by_chance(point, scatter, instant, key);
-  if (depth >= max_depth_) return colour;
+  return point.look.emission + punctual + by_chance(point, scatter, instant, key) +
+         followed(ray, point, scatter, instant, key, depth, weight);
+}
+
+Vec3f Whitted::followed(const Ray& ray, const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant,
+                        SampleKey key, int depth, float weight) const {
+  Vec3f colour{};
+  const Reflectance& shares = scatter.shares();
+  if (depth >= max_depth_ || weight * std::max(largest(shares.mirror), largest(shares.through)) < kLeastWeight)
+    return colour;
   const Vec3d along = normalize(to_double(ray.direction));
   const auto follow = [&](Vec3f share, Vec3d direction, double side, uint64_t branch) {
     const float rest = weight * largest(share);
@@ -101,7 +134,6 @@ Vec3f Whitted::shade(const Ray& ray, const SurfacePoint& point, const Scatter& s
   };
   Vec3d mirrored = reflected(along, point.normal);
   if (!(dot(mirrored, point.face) > 0)) mirrored = reflected(along, point.face);
-  const Reflectance& shares = scatter.shares();
   follow(shares.mirror, mirrored, 1, kMirrorBranch);
   const double ior = std::max(1.0f, point.material->ior);
   const double eta = point.material->thin_walled ? 1 : point.entering ? ior : 1 / ior;

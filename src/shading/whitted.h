@@ -23,6 +23,9 @@ class Whitted : public LitShading {
           double cone_spread, int max_depth);
 
   void radiance(std::span<const ShadingQuery> queries, std::span<Vec3f> colours) const override;
+  void own_light(std::span<const ShadingQuery> queries, bool share_asked,
+                 std::span<SharedSurface> surfaces) const override;
+  void shared_light(std::span<const ShadingQuery> queries, bool share_asked, std::span<Vec3f> colours) const override;
   void resting_light(const ShadingQuery& query, std::vector<RestingLight>& lights) const override;
   bool steady_light(const ShadingQuery& query, std::vector<RestingLight>& lights, Vec3f& own) const override;
 
@@ -54,6 +57,9 @@ class Whitted : public LitShading {
   /// What comes of the point itself, with what punctual lights give, and by mirrors and glass.
   Vec3f shade(const Ray& ray, const SurfacePoint& point, const Scatter& scatter, Vec3f punctual,
               const SampleInstant& instant, SampleKey key, int depth, float weight) const;
+  /// By mirrors and glass alone.
+  Vec3f followed(const Ray& ray, const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant,
+                 SampleKey key, int depth, float weight) const;
   Vec3f by_chance(const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant, SampleKey key) const;
   /// But for by_scattering(). arrive: see DirectLight.
   template <class Arrive>

@@ -1,0 +1,69 @@
+// Light that arrives at cells of surfaces, shared by all that see them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "shading/look_ups.h"
+#include "shading/shader.h"
+
+namespace kairos {
+
+struct CellOptions {
+  double side = 2;          ///< of a cell, in pixels, to a factor of sqrt(2)
+  double rate = 0.25;       ///< of the look-ups that fall into a cell, so many are shaded; at least one is
+  uint32_t slices = 1;      ///< of the shutter, in which cells differ
+  bool share_asked = true;  ///< see LitShading::own_light
+};
+
+/// Answers look-ups: each falls into a cell of the surface that it sees, which moves along with it, and gets the mean
+/// light of those look-ups of the cell that are shaded, times what it reflects itself. docs/method.md, "Surface cells".
+/// One thread's scratch memory.
+class SurfaceCells {
+ public:
+  SurfaceCells(const Shader& shader, const CellOptions& options) : shader_(shader), options_(options) {}
+
+  /// What the look-ups see, in their order, not yet `limited`; valid until the next call. The same for the same
+  /// look-ups and seed.
+  std::span<const Vec3f> answer(LookUps& look_ups, uint64_t seed);
+
+  Vec3f limited(Vec3f colour) const { return shader_.limited(colour); }
+  uint64_t evaluations() const { return evaluations_; }
+
+ private:
+  /// Where on which surface, when.
+  struct Key {
+    uint32_t mesh = 0;
+    std::array<int32_t, 3> place{};  // in units of the cell's side, on the mesh as it is at its first key
+    uint32_t rest = 0;               // size, side, direction and slice
+    friend bool operator==(const Key&, const Key&) = default;
+  };
+  struct Cell {
+    Key key;
+    uint32_t look_ups = 0, first = 0;  // of its look-ups in in_cells_
+    Vec3f light, reflects;             // sums over what is shaded
+  };
+
+  Key key_of(const ShadingQuery& query, const SharedSurface& surface) const;
+  void assign(std::span<ShadingQuery> queries);
+  uint32_t find(const Key& key);
+  void grow_table();
+  void sort_by_cell();
+  void shade(std::span<const ShadingQuery> queries, uint64_t seed);
+
+  const Shader& shader_;
+  CellOptions options_;
+  std::vector<SharedSurface> surfaces_;  // [look-up]
+  std::vector<uint32_t> cell_of_;        // [look-up]; kNone: nothing of it is shared
+  std::vector<uint32_t> slots_;          // [hash]: number of a cell, or kNone; a power of two, less than half full
+  std::vector<Cell> cells_;              // in order of first sight
+  std::vector<uint32_t> in_cells_;       // look-ups, cell by cell
+  std::vector<ShadingQuery> chosen_;     // to be shaded
+  std::vector<uint32_t> chosen_cell_;
+  std::vector<Vec3f> chosen_light_, colours_;
+  uint64_t evaluations_ = 0;
+};
+
+}  // namespace kairos
