@@ -21,6 +21,7 @@
 
 #include "base/parallel.h"
 #include "discrete/discrete_scene.h"
+#include "integrators/shot_parts.h"
 #include "measuring.h"
 #include "policy/packet_choice.h"
 #include "ray_sets.h"
