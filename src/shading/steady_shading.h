@@ -26,8 +26,7 @@ class SteadyShading {
         jump_(kJump * 2 * half_cell_) {}
 
   /// Appends the parts of ray `index` of a pixel to `out`: one for each segment, or for each layer of what is seen
-  /// through blended surfaces. Segments whose colours go on from one to the next are looked at as one. Returns the
-  /// number of evaluations.
+  /// through blended surfaces. Returns the number of evaluations.
   uint64_t shade(const Ray& ray, std::span<const Segment> segments, std::span<const Segment> blended,
                  const TimeRange& window, uint64_t pixel_seed, uint32_t index, RecordBuilder& out) {
     key_ = {hash(pixel_seed, kSteadyDimension), index};
@@ -73,13 +72,9 @@ class SteadyShading {
         add_other(first);
         continue;
       }
-      while (after < seen.size() && is_alone(after) && goes_on(seen[after - 1], seen[after])) ++after;
+      // Each by itself, even where colours go on from one to the next: looks at their ends find shadows that pass.
       add(ray, seen.subspan(first, after - first), seen[first].begin, seen[after - 1].end, 0, 1, out);
     }
-  }
-  bool goes_on(const Segment& before, const Segment& after) const {
-    const bool rests = options_.shadows != nullptr && before.mesh != kNoMesh && options_.shadows->on(before.mesh);
-    return before.mesh != kNoMesh && !rests && before.end == after.begin && shader_.joined(before, after);
   }
 
   /// The opacity of a layer holds for a cell of the grid: as it is halfway through.
