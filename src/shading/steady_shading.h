@@ -34,17 +34,20 @@ class SteadyShading {
     window_ = window;
     steady_.clear();
     if (blended.empty() && !shader_.has_sky()) {
-      add_clusters(
-          ray, segments, [](size_t) { return true; }, [](size_t) {}, out);
+      for (const Segment& seen : segments) add(ray, seen, seen.begin, seen.end, 0, 1, out);
       return evaluations_;
     }
     opacities_.clear();
     for (const Segment& hit : blended)
       opacities_.push_back(shader_.opacity(ray, hit.mesh, hit.triangle, 0.5f * (hit.begin + hit.end)));
     layers_.build(segments, blended, shader_.has_sky(), opacities_, window);
-    add_clusters(
-        ray, layers_.stretches(), [&](size_t i) { return layers_.before(i).empty() && !layers_.is_cut(i); },
-        [&](size_t i) { add_stretch(ray, i, blended, out); }, out);
+    for (size_t i = 0; i < layers_.stretches().size(); ++i) {
+      const Segment& seen = layers_.stretches()[i];
+      if (layers_.before(i).empty() && !layers_.is_cut(i))
+        add(ray, seen, seen.begin, seen.end, 0, 1, out);
+      else
+        add_stretch(ray, i, blended, out);
+    }
     return evaluations_;
   }
 
@@ -55,27 +58,9 @@ class SteadyShading {
   /// A change by so many times what straight lines may be off by, within so short a part of a cell, is a jump. Smaller
   /// ones may take as much longer: what lies between the jump and the line in its place stays the same.
   static constexpr float kThreshold = 50, kJump = 0x1p-11f;
-  /// Where the line is off by no more in the middle, those to the middle and on are off by a quarter of it: no need to
-  /// look again.
-  static constexpr float kSure = 2;
   static constexpr float kShortest = 0x1p-19f;  // of the shutter: no jump is known better
   /// Of a segment: more are spent on noise, which no number of them would follow.
   static constexpr uint32_t kMostRefined = 4096;
-
-  /// Adds all that is seen. is_alone(i): nothing blended is in front of it; else add_other(i) adds it.
-  template <class IsAlone, class AddOther>
-  void add_clusters(const Ray& ray, std::span<const Segment> seen, const IsAlone& is_alone, const AddOther& add_other,
-                    RecordBuilder& out) {
-    for (size_t first = 0, after = 0; first < seen.size(); first = after) {
-      after = first + 1;
-      if (!is_alone(first)) {
-        add_other(first);
-        continue;
-      }
-      // Each by itself, even where colours go on from one to the next: looks at their ends find shadows that pass.
-      add(ray, seen.subspan(first, after - first), seen[first].begin, seen[after - 1].end, 0, 1, out);
-    }
-  }
 
   /// The opacity of a layer holds for a cell of the grid: as it is halfway through.
   void add_stretch(const Ray& ray, size_t index, std::span<const Segment> blended, RecordBuilder& out) {
@@ -92,7 +77,7 @@ class SteadyShading {
         if (open < kLeastOpen) return;
         const float opacity = shader_.opacity(ray, hit.mesh, hit.triangle, middle);
         if (!(opacity > 0)) return;
-        add(ray, {&hit, 1}, begin, end, layer++, opacity, out);
+        add(ray, hit, begin, end, layer++, opacity, out);
         open *= 1 - opacity;
       };
       for (const uint32_t hit : before) add_blended(blended[hit]);
@@ -101,29 +86,27 @@ class SteadyShading {
         for (const uint32_t hit : farther_) add_blended(blended[hit]);
       }
       if (open >= kLeastOpen && (back.mesh != kNoMesh || shader_.has_sky() || layer == 0))
-        add(ray, {&back, 1}, begin, end, layer, 1, out);
+        add(ray, back, begin, end, layer, 1, out);
       begin = end;
     }
   }
 
-  /// What is seen of a surface, of some whose colours go on from one to the next, or of the sky, from `begin` to `end`.
-  void add(const Ray& ray, std::span<const Segment> cluster, float begin, float end, uint32_t layer, float opacity,
+  /// What is seen of a surface or of the sky from `begin` to `end`. Each segment by itself, even where colours go on
+  /// from one to the next: looks at their ends find shadows that pass.
+  void add(const Ray& ray, const Segment& seen, float begin, float end, uint32_t layer, float opacity,
            RecordBuilder& out) {
-    const Segment& front = cluster.front();
-    const bool sky = front.mesh == kNoMesh;
+    const bool sky = seen.mesh == kNoMesh;
     const auto look = [&](float time) {
       ++evaluations_;
-      const Segment& seen =
-          *std::find_if(cluster.begin(), cluster.end() - 1, [&](const Segment& segment) { return time < segment.end; });
       if (sky) return Instant{time, {shader_.sky(ray, time), {}, {}}};
       return Instant{time, shader_.shade(ray, seen.mesh, seen.triangle, time, key_)};
     };
     instants_.clear();
     // Half-open: at its very end something else is seen.
     const float latest = std::max(begin, std::nextafter(end, 0.0f));
-    if (const Steady* known = sky ? nullptr : find_steady(ray, front)) {
+    if (const Steady* known = sky ? nullptr : find_steady(ray, seen)) {
       add_steps(*known, begin, latest);
-    } else if (!(sky ? shader_.sky_varies() : shader_.varies(front.mesh)) || !(begin < latest)) {
+    } else if (!(sky ? shader_.sky_varies() : shader_.varies(seen.mesh)) || !(begin < latest)) {
       instants_.push_back(look(begin));
     } else {
       refined_ = 0;
@@ -141,25 +124,13 @@ class SteadyShading {
     const auto add_knot = [&](float time, const Shade& shade) {
       return out.add_knot(time, shade.colour, shade.normal, shade.albedo);
     };
-    uint32_t knot = add_knot(instants_[0].time, instants_[0].shade);
-    size_t next = 1;  // instant
-    for (const Segment& seen : cluster) {
-      const float from = std::max(begin, seen.begin), to = std::min(end, seen.end);
-      SeenPart part{{from, to, distance_at(seen, from), distance_at(seen, to), seen.mesh, seen.triangle, seen.front},
-                    knot,
-                    1,
-                    layer,
-                    opacity};
-      const bool last = &seen == &cluster.back();
-      for (; next < instants_.size() && (last || instants_[next].time < to); ++next, ++part.knots)
-        knot = add_knot(instants_[next].time, instants_[next].shade);
-      if (!last && next < instants_.size()) {  // the next segment begins with the knot where this one ends
-        const Instant &a = instants_[next - 1], &b = instants_[next];
-        knot = add_knot(to, lerp(a.shade, b.shade, b.time > a.time ? (to - a.time) / (b.time - a.time) : 0.0f));
-        ++part.knots;
-      }
-      out.add_part(part);
-    }
+    const uint32_t knot = add_knot(instants_[0].time, instants_[0].shade);
+    for (const Instant& instant : std::span(instants_).subspan(1)) add_knot(instant.time, instant.shade);
+    out.add_part({{begin, end, distance_at(seen, begin), distance_at(seen, end), seen.mesh, seen.triangle, seen.front},
+                  knot,
+                  static_cast<uint32_t>(instants_.size()),
+                  layer,
+                  opacity});
   }
 
   /// A triangle that a ray sees and whose light changes in steps alone, or not.
@@ -230,8 +201,7 @@ class SteadyShading {
     if (!(before.time < time && time < after.time)) return;
     ++refined_;
     const Instant middle = look(time);
-    const bool straight =
-        times_off_straight(before.shade.colour, middle.shade.colour, after.shade.colour) <= (first ? 1 : kSure);
+    const bool straight = times_off_straight(before.shade.colour, middle.shade.colour, after.shade.colour) <= 1;
     if (!straight) refine(before, middle, false, look);
     instants_.push_back(middle);
     if (!straight) refine(middle, after, false, look);
