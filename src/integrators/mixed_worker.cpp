@@ -276,7 +276,7 @@ double MixedWorker::find_sample_time(int x, int y, const Sampler::Pixel& pixel, 
   const double before = time();
   for (uint32_t i = 0; i < count; ++i) {
     const Ray ray = context_.ray(x, y, align_(context_.sampler.point(pixel, i)));
-    const auto instant = static_cast<uint32_t>(pixel.seed + i * (kInstants / kMostRays));
+    const auto instant = static_cast<uint32_t>(pixel.seed + uint64_t{i} * (kInstants / kMostRays));
     frame_.tracer.trace_packet({&ray, 1}, Visibility::visible, instants_, hints.empty() ? hints : hints.subspan(i, 1),
                                false, instant_limits(instant));
   }

@@ -45,7 +45,7 @@ with tempfile.TemporaryDirectory(prefix="kairos_abi_") as name:
     sizes = "\n".join(f"char size_of_{name}[1 + {name}];" for name in sorted(constants))
     (folder / "kairos.c").write_text(f"#include <kairos/kairos.h>\n{bodies}\n{sizes}\n")
     library = folder / "libkairos.so"
-    compiled = run(compiler, "-x", "c", "-std=c99", "-g", "-fPIC", "-shared", "-w", f"-I{root / 'include'}", folder / "kairos.c", "-o", library)
+    compiled = run(compiler, "-x", "c", "-std=c99", "-g", "-fPIC", "-shared", "-w", f"-fdebug-prefix-map={folder}=.", f"-I{root / 'include'}", folder / "kairos.c", "-o", library)
     if compiled.returncode != 0:
         sys.exit(compiled.stdout)
     if "--update" in sys.argv:
