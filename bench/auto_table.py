@@ -89,4 +89,6 @@ def summary(rows, write_table):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 2 or sys.argv[1] == "--help":
+        sys.exit(__doc__)
     print("\n".join(table(read_rows(sys.argv[1]))))

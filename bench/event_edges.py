@@ -12,6 +12,8 @@ import subprocess
 import sys
 import tempfile
 
+if len(sys.argv) < 2 or "--help" in sys.argv:
+    sys.exit(__doc__)
 build, speed = pathlib.Path(sys.argv[1]), float(sys.argv[2]) if len(sys.argv) > 2 else 1000
 kairos, frames = build / "bin/kairos", build / "bin/bench_event_frames"
 WIDTH, HEIGHT, ANGLE, BEFORE, AFTER, DARK, THRESHOLD = 160, 60, math.radians(20), 0.1, 1.0, 1 / 255, 0.2

@@ -16,6 +16,8 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+if len(sys.argv) < 3 or "--help" in sys.argv:
+    sys.exit(__doc__)
 build, demo = pathlib.Path(sys.argv[1]), sys.argv[2]
 kairos, frames = build / "bin/kairos", build / "bin/bench_event_frames"
 WIDTH, HEIGHT = 80, 60

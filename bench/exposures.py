@@ -12,6 +12,8 @@ import subprocess
 import sys
 import tempfile
 
+if len(sys.argv) < 3 or "--help" in sys.argv:
+    sys.exit(__doc__)
 build, scenes = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
 size = sys.argv[3] if len(sys.argv) > 3 else "240x135"
 rays = sys.argv[4] if len(sys.argv) > 4 else "16"

@@ -212,6 +212,8 @@ def write(docs, check=False):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) < 2 or sys.argv[1] == "--help":
+        sys.exit(__doc__)
     found = write(pathlib.Path(sys.argv[1]), "--check" in sys.argv[2:])
     if found and "--check" in sys.argv[2:]:
         sys.exit("\n".join(found) + "\nrun bench/page.py docs")
