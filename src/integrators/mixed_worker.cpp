@@ -129,13 +129,13 @@ RacedPixel MixedWorker::race(int x, int y, Monitor& monitor) {
 }
 
 double MixedWorker::passing_shadow_time(int x, int y, Monitor& monitor) {
-  constexpr uint32_t kLooks = 2;
+  const uint32_t looks = std::min(2u, frame_.budget);
   still_layer_.begin_pixel(x, y, frame_.race_points[0].pixel(x, y), {});
   record_.begin_pixel(x, y, context_.background);
-  still_layer_.add_rays(0, kLooks, &*frame_.resting_shadows, monitor, record_);
+  still_layer_.add_rays(0, looks, &*frame_.resting_shadows, monitor, record_);
   const double before = resting_->time();
-  resting_->add_exact(still_layer_, kLooks, {}, record_);
-  return resting_->changes() ? (resting_->time() - before) / kLooks : 0;
+  resting_->add_exact(still_layer_, looks, {}, record_);
+  return resting_->changes() ? (resting_->time() - before) / looks : 0;
 }
 
 MixedWorker::ShadowRace MixedWorker::race_shadows(int x, int y, Monitor& monitor) {

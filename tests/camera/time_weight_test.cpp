@@ -6,6 +6,7 @@
 #include <kairos/time_weight.h>
 
 #include "error_matchers.h"
+#include "seed.h"
 
 namespace kairos {
 namespace {
@@ -39,7 +40,7 @@ TEST(TimeWeight, KnowsRampsAndStepsInClosedForm) {
 
 // By definition, with a sum over very many instants.
 TEST(TimeWeight, MomentsOfRandomCurvesAreWhatManyInstantsSay) {
-  const uint32_t seed = std::random_device{}();
+  const uint32_t seed = test::seed();
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(0, 1);
   for (int i = 0; i < 50; ++i) {
@@ -85,7 +86,7 @@ TEST(TimeWeight, StretchedItIsTheSameCurveElsewhere) {
 }
 
 TEST(TimeWeight, BeforeAQuantileLiesItsShareOfTheIntegral) {
-  const uint32_t seed = std::random_device{}();
+  const uint32_t seed = test::seed();
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(0, 1);

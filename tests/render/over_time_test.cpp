@@ -16,6 +16,7 @@
 #include "integrators/integrator.h"
 #include "motion/motion_mask.h"
 #include "motion/screen_motion.h"
+#include "seed.h"
 #include "soup.h"
 #include "whitted_scene.h"
 
@@ -107,8 +108,7 @@ Counts count(const PixelRecord& record) {
 }
 
 TEST(OverTime, MovingPixelsGetRaysOverTimeAndColoursAtTheirOwnInstants) {
-  const uint32_t seed = std::random_device{}();
-  SCOPED_TRACE(seed);
+  const uint32_t seed = test::seed();
   std::mt19937 random(seed);
   const Shot shot = busy_shot(random, true);
   const MotionMask mask(std::make_shared<const ScreenMotion>(shot, 0.5), Crop{0, kWidth, 0, kHeight});
@@ -156,7 +156,7 @@ TEST(OverTime, ForABoxAloneColoursStandForEachOther) {
 
 // The mean over the shutter of what is seen is the same, whatever is known of it besides.
 TEST(OverTime, CurvesReduceToThePicture) {
-  const uint32_t seed = std::random_device{}();
+  const uint32_t seed = test::seed();
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
   const Shot shot = busy_shot(random, true);
@@ -303,7 +303,7 @@ TEST(OverTime, DiscreteRaysHaveNoSegments) {
 
 // Over pictures of 30 seeds, against many time-continuous rays: whole pictures and single pixels.
 TEST(Mixed, OfFewRaysIsNotBiased) {
-  const uint32_t seed = std::random_device{}();
+  const uint32_t seed = test::seed();
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
   const Shot shot = busy_shot(random, false);

@@ -5,6 +5,7 @@
 
 #include "pbrt_fixture.h"
 #include "scene_io/pbrt/motion.h"
+#include "seed.h"
 
 namespace kairos {
 namespace {
@@ -60,7 +61,7 @@ TEST_F(PbrtMotion, PartsAreInterpolatedApart) {
 }
 
 TEST_F(PbrtMotion, RandomMatricesAreTakenApartAndPutTogether) {
-  const unsigned seed = std::random_device{}();
+  const unsigned seed = test::seed();
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> entry(-3, 3);
