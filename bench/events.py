@@ -124,7 +124,7 @@ with tempfile.TemporaryDirectory() as name:
         "slow": ("the same in a second", lambda: made(scene_folder, "swarm", 1, "--motion", 200), "flat", 0, 1, 64),
         "shadow": ("the shadow of a fan on a floor at rest, in 0.1 s, lit", lambda: made(scene_folder, "shade", 0.1), "whitted", 0, 0.1, 64),
         "foliage": ("trees in a storm, in 0.1 s", lambda: made(scene_folder, "foliage", 0.1, "--scale", 0.1), "flat", 0, 0.1, 64),
-        "lit": ("the same, lit", lambda: made(scene_folder, "foliage", 0.1, "--scale", 0.1), "whitted", 0, 0.1, 16),
+        "lit": ("the same, lit", lambda: made(scene_folder, "foliage", 0.1, "--scale", 0.1), "whitted", 0, 0.1, 64),
         "still": ("a hall at rest, in which one small thing moves for half a second, lit", lambda: still(scene_folder, 0.5), "whitted", 0, 0.5, 64),
         "texture": ("noise of half a pixel that goes 20 pixels in 0.1 s", lambda: texture(scene_folder, 0.1), "flat", 0, 0.1, 64),
     }
