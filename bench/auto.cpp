@@ -24,6 +24,7 @@
 #include <kairos/render.h>
 
 #include "measuring.h"
+#include "reported_run.h"
 #include "shot_choice.h"
 
 namespace kairos::bench {
@@ -138,11 +139,4 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace kairos::bench
 
-int main(int argc, char** argv) {
-  try {
-    return kairos::bench::run(argc, argv);
-  } catch (const kairos::Error& error) {
-    fmt::print(stderr, "bench_auto: {}\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return kairos::bench::reported_run("bench_auto", kairos::bench::run, argc, argv); }

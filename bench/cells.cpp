@@ -22,6 +22,7 @@
 #include <kairos/names.h>
 #include <kairos/render.h>
 
+#include "reported_run.h"
 #include "shot_choice.h"
 
 namespace kairos::bench {
@@ -173,11 +174,4 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace kairos::bench
 
-int main(int argc, char** argv) {
-  try {
-    return kairos::bench::run(argc, argv);
-  } catch (const kairos::Error& error) {
-    fmt::print(stderr, "bench_cells: {}\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return kairos::bench::reported_run("bench_cells", kairos::bench::run, argc, argv); }

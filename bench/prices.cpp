@@ -17,6 +17,7 @@
 #include "measuring.h"
 #include "policy/ray_prices.h"
 #include "render/measure_rays.h"
+#include "reported_run.h"
 #include "shot_choice.h"
 
 namespace kairos::bench {
@@ -70,11 +71,4 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace kairos::bench
 
-int main(int argc, char** argv) {
-  try {
-    return kairos::bench::run(argc, argv);
-  } catch (const kairos::Error& error) {
-    fmt::print(stderr, "bench_prices: {}\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return kairos::bench::reported_run("bench_prices", kairos::bench::run, argc, argv); }

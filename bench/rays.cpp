@@ -25,6 +25,7 @@
 #include "measuring.h"
 #include "policy/packet_choice.h"
 #include "ray_sets.h"
+#include "reported_run.h"
 #include "shot_choice.h"
 #include "study/statistics.h"
 
@@ -235,11 +236,4 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace kairos::bench
 
-int main(int argc, char** argv) {
-  try {
-    return kairos::bench::run(argc, argv);
-  } catch (const kairos::Error& error) {
-    fmt::print(stderr, "bench_rays: {}\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return kairos::bench::reported_run("bench_rays", kairos::bench::run, argc, argv); }

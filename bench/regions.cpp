@@ -18,6 +18,7 @@
 #include <kairos/render.h>
 
 #include "motion/motion_mask.h"
+#include "reported_run.h"
 #include "scene/scene.h"
 
 namespace kairos {
@@ -195,11 +196,4 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace kairos
 
-int main(int argc, char** argv) {
-  try {
-    return kairos::run(argc, argv);
-  } catch (const kairos::Error& error) {
-    fmt::print(stderr, "bench_regions: {}\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return kairos::bench::reported_run("bench_regions", kairos::run, argc, argv); }

@@ -21,6 +21,7 @@
 #include "integrators/integrator.h"
 #include "measuring.h"
 #include "policy/packet_choice.h"
+#include "reported_run.h"
 #include "shot_choice.h"
 #include "study/measure.h"
 #include "study/statistics.h"
@@ -227,11 +228,4 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace kairos::bench
 
-int main(int argc, char** argv) {
-  try {
-    return kairos::bench::run(argc, argv);
-  } catch (const kairos::Error& error) {
-    fmt::print(stderr, "bench_renders: {}\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return kairos::bench::reported_run("bench_renders", kairos::bench::run, argc, argv); }

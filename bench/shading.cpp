@@ -21,6 +21,8 @@
 #include <kairos/names.h>
 #include <kairos/render.h>
 
+#include "reported_run.h"
+
 namespace kairos {
 namespace {
 
@@ -153,11 +155,4 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace kairos
 
-int main(int argc, char** argv) {
-  try {
-    return kairos::run(argc, argv);
-  } catch (const kairos::Error& error) {
-    fmt::print(stderr, "bench_shading: {}\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return kairos::bench::reported_run("bench_shading", kairos::run, argc, argv); }

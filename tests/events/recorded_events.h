@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <random>
@@ -81,6 +82,50 @@ std::vector<std::vector<double>> beyond_threshold(const EventList& collector, co
       }
     }
   return all;
+}
+
+/// Some triangles of their own colours that fly and turn before a wall, which is textured where there is a picture.
+inline SceneDescription flying_things(std::mt19937& random, bool textured) {
+  const auto uniform = [&](double low, double high) {
+    return static_cast<float>(std::uniform_real_distribution(low, high)(random));
+  };
+  SceneDescription description;
+  MeshDescription wall;
+  wall.triangles = {{0, 1, 2}, {0, 2, 3}};
+  wall.positions = {{{-4, -4, -5}, {4, -4, -5}, {4, 4, -5}, {-4, 4, -5}}};
+  wall.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  description.meshes = {wall};
+  description.materials = {painted(0.6f)};
+  if (textured) {
+    Pixels picture;
+    picture.width = picture.height = 8;
+    for (int i = 0; i < 64; ++i) {
+      const float grey = uniform(0.2, 1);
+      picture.values.insert(picture.values.end(), {grey, grey, grey, 1});
+    }
+    description.pictures["squares"] = picture;
+    description.materials[0].base_color_texture.picture = "squares";
+  }
+  for (int i = 0; i < 12; ++i) {
+    MeshDescription mesh;
+    mesh.triangles = {{0, 1, 2}};
+    mesh.times = {-1, 0.5, 2};
+    mesh.material = static_cast<uint32_t>(description.materials.size());
+    const Vec3f middle{uniform(-0.8, 0.8), uniform(-0.6, 0.6), uniform(-3, -2)};
+    std::array<Vec3f, 3> from_middle;
+    for (Vec3f& corner : from_middle) corner = {uniform(-0.7, 0.7), uniform(-0.7, 0.7), uniform(-0.3, 0.3)};
+    for (size_t k = 0; k < mesh.times.size(); ++k) {
+      const Vec3f shift{uniform(-1.2, 1.2), uniform(-1.2, 1.2), uniform(-0.2, 0.2)};
+      std::vector<Vec3f> corners;
+      for (const Vec3f& corner : from_middle) corners.push_back(middle + shift + corner);
+      mesh.positions.push_back(corners);
+    }
+    description.meshes.push_back(mesh);
+    description.materials.push_back(painted(uniform(0.05, 1)));
+  }
+  description.cameras = {camera()};
+  description.background = {0.1f, 0.1f, 0.1f};
+  return description;
 }
 
 }  // namespace kairos
