@@ -5,7 +5,6 @@ Usage: python_packed.py PROJECT_ROOT BUILD_DIR, with a Python that has numpy, se
 
 import os
 import pathlib
-import re
 import shutil
 import subprocess
 import sys

@@ -1,123 +1,16 @@
-// Files of pictures over time: what was written is read, whatever happened in between.
+// Files of pictures over time: what was written is read.
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <random>
-#include <tuple>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <kairos/error.h>
-#include <kairos/object_layers.h>
 #include <kairos/time_file.h>
 
-#include "pixel/record_builder.h"
-#include "seed.h"
-#include "temp_folder.h"
+#include "time_files.h"
 
 namespace kairos {
 namespace {
-
-using testing::HasSubstr;
-
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-void put_bytes(const std::string& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
-
-/// A pixel that sees a few things one after the other, which its place and the seed decide.
-class Pixels {
- public:
-  explicit Pixels(uint32_t seed) : seed_(seed) {}
-
-  const PixelRecord& record(int x, int y) {
-    std::mt19937 random(seed_ + static_cast<uint32_t>(x * 1000 + y));
-    const auto real = [&] { return std::uniform_real_distribution<float>()(random); };
-    builder_.begin_pixel(x, y, {real(), real(), real()});
-    for (uint32_t ray = 0; ray < 3; ++ray) {
-      const uint32_t first = builder_.part_count();
-      for (float now = real() / 4; now < 1;) {
-        const float end = std::min(1.0f, now + real() / 3);
-        const uint32_t knot = builder_.add_knot(now, {real(), real(), real()}, {}, {});
-        builder_.add_part({{now, end, 1 + real(), 1 + real(), ray % 2, 0, true}, knot, 1});
-        now = end + real() / 8;
-      }
-      builder_.add_ray({{}, 1, PixelRay::kAll, first, builder_.part_count() - first, 1});
-    }
-    return builder_.finish();
-  }
-
- private:
-  uint32_t seed_;
-  RecordBuilder builder_{false};
-};
-
-class TimeFiles : public testing::Test {
- protected:
-  TimeFiles() {
-    shot_.projection.width = 70;
-    shot_.projection.height = 40;
-    shot_.meshes.resize(2);
-    shot_.shutter_open = 2;
-    shot_.shutter_close = 2.5;
-    params_.shading = ShadingKind::flat;
-    params_.crop = Crop{3, 68, 1, 38};
-    path_ = folder_.path("picture.ktime");
-  }
-
-  /// Those pixels of the crop for which `which` says yes, in the order of the numbers.
-  template <class Which>
-  void add_pixels(PixelConsumer& consumer, const Which& which) {
-    for (int y = params_.crop->y0; y < params_.crop->y1; ++y)
-      for (int x = params_.crop->x0; x < params_.crop->x1; ++x)
-        if (which(x, y) && !consumer.has(x, y)) consumer.add(pixels_.record(x, y));
-  }
-  static bool all(int, int) { return true; }
-
-  void write(const TimeFileOptions& options = {}) {
-    TimeFileWriter writer(path_, shot_, params_, options);
-    add_pixels(writer, all);
-    writer.finish();
-  }
-  TimePicture in_memory(double tolerance) {
-    TimeFilm film(shot_, params_, tolerance, {}, true);
-    add_pixels(film, all);
-    return film.take();
-  }
-  static void expect_same(const Image& a, const Image& b) {
-    ASSERT_EQ(a.channels.size(), b.channels.size());
-    for (size_t c = 0; c < a.channels.size(); ++c) EXPECT_EQ(a.channels[c].values, b.channels[c].values);
-  }
-  static void expect_same(const ExposedObjects& a, const ExposedObjects& b) {
-    EXPECT_EQ(a.first, b.first);
-    ASSERT_EQ(a.seen.size(), b.seen.size());
-    for (size_t i = 0; i < a.seen.size(); ++i) {
-      const SeenObject &x = a.seen[i], &y = b.seen[i];
-      ASSERT_EQ(std::tuple(x.mesh, x.colour.x, x.colour.y, x.colour.z, x.coverage, x.depth),
-                std::tuple(y.mesh, y.colour.x, y.colour.y, y.colour.z, y.coverage, y.depth));
-    }
-  }
-  /// Of opening and reading everything; empty where nothing is wrong.
-  std::string message(const std::string& path) const {
-    try {
-      TimeFile::open(path).check();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::bad_input);
-      return error.what();
-    }
-    return "";
-  }
-
-  TempFolder folder_;
-  Shot shot_;
-  RenderParams params_;
-  Pixels pixels_{test::seed()};
-  std::string path_;
-};
 
 TEST_F(TimeFiles, HoldWhatAFilmHolds) {
   for (const double tolerance : {0.0, 0x1p-10}) {
@@ -163,7 +56,7 @@ TEST_F(TimeFiles, HoldSlabsOfTime) {
     TimeFileOptions options{tolerance, {}, "", true};
     options.slabs = 3;
     const auto add_slab = [&](TimeFileWriter& writer, int slab) {
-      pixels_ = Pixels(seed + static_cast<uint32_t>(slab));
+      pixels_ = PixelSource(seed + static_cast<uint32_t>(slab));
       writer.begin_slab(slab);
       add_pixels(writer, all);
     };
@@ -176,7 +69,7 @@ TEST_F(TimeFiles, HoldSlabsOfTime) {
     const std::string whole = bytes_of(path_);
     std::vector<TimePicture> slabs;
     for (const uint32_t slab : {0u, 1u, 2u}) {
-      pixels_ = Pixels(seed + slab);
+      pixels_ = PixelSource(seed + slab);
       slabs.push_back(in_memory(tolerance));
     }
     const TimeFile file = TimeFile::open(path_);
@@ -279,7 +172,7 @@ class SameRecords : public PixelConsumer {
   size_t count = 0;
 
  private:
-  Pixels pixels_;
+  PixelSource pixels_;
 };
 
 TEST_F(TimeFiles, HandOverRecordsAgain) {
@@ -289,7 +182,7 @@ TEST_F(TimeFiles, HandOverRecordsAgain) {
   options.slabs = 2;
   TimeFileWriter writer(path_, shot_, params_, options);
   for (const uint32_t slab : {0u, 1u}) {
-    pixels_ = Pixels(seed + slab);
+    pixels_ = PixelSource(seed + slab);
     writer.begin_slab(static_cast<int>(slab));
     add_pixels(writer, all);
   }
@@ -329,90 +222,6 @@ TEST_F(TimeFiles, HandOverRecordsAgain) {
   EXPECT_THROW(file.replay(same, 0, [](double) { return false; }), Error);
   write();
   EXPECT_THROW(TimeFile::open(path_).replay(same), Error);
-}
-
-TEST_F(TimeFiles, GoOnWhereTheyWereLeft) {
-  write();
-  const std::string whole = bytes_of(path_);
-  std::filesystem::remove(path_);
-  const auto is_right = [](int x, int) { return x >= 32 + 3; };
-  {
-    TimeFileWriter writer(path_, shot_, params_);
-    EXPECT_EQ(writer.tiles_before(), 0u);
-    EXPECT_EQ(writer.tiles(), 6u);
-    add_pixels(writer, is_right);
-    try {
-      writer.finish();
-      ADD_FAILURE() << "pixels are missing";
-    } catch (const Error& error) {
-      EXPECT_THAT(error.what(), HasSubstr("not finished"));
-    }
-  }
-  EXPECT_FALSE(std::filesystem::exists(path_));
-  const TimeFile part = TimeFile::open(path_ + ".part");
-  EXPECT_FALSE(part.info().finished);
-  EXPECT_EQ(part.info().tiles_there, 4u);
-  EXPECT_FALSE(part.picture().signal(35, 1).empty());
-  EXPECT_TRUE(part.picture().signal(34, 1).empty());
-  // As if ended in the middle of a chunk.
-  std::filesystem::resize_file(path_ + ".part", std::filesystem::file_size(path_ + ".part") - 20);
-  {
-    TimeFileWriter writer(path_, shot_, params_);
-    EXPECT_EQ(writer.tiles_before(), 3u);
-    EXPECT_TRUE(writer.has(35, 1));
-    EXPECT_FALSE(writer.has(3, 1));
-    add_pixels(writer, [](int, int y) { return y >= 32 + 1; });
-  }
-  {
-    TimeFileWriter writer(path_, shot_, params_);
-    EXPECT_EQ(writer.tiles_before(), 5u) << "one of the lower three was there";
-    add_pixels(writer, all);
-    writer.finish();
-  }
-  EXPECT_EQ(bytes_of(path_), whole) << "whatever the order in which tiles were complete";
-}
-
-TEST_F(TimeFiles, EveryPrefixOfAPartIsContinuedOrBegun) {
-  TimeFileOptions options;
-  options.objects = options.geometry = true;
-  write(options);
-  const std::string whole = bytes_of(path_);
-  std::string part;
-  {
-    TimeFileWriter writer(path_, shot_, params_, options);
-    add_pixels(writer, all);
-    part = bytes_of(path_ + ".part");
-  }
-  std::mt19937 random(test::seed());
-  for (int i = 0; i < 12; ++i) {
-    const size_t size = i == 0 ? 0 : i == 1 ? 63 : std::uniform_int_distribution<size_t>(1100, part.size())(random);
-    put_bytes(path_ + ".part", part.substr(0, size));
-    TimeFileWriter writer(path_, shot_, params_, options);
-    add_pixels(writer, all);
-    writer.finish();
-    ASSERT_EQ(bytes_of(path_), whole) << size << " bytes were there";
-  }
-}
-
-TEST_F(TimeFiles, DoNotGoOnWithAnotherRendering) {
-  const auto refusal = [&](const TimeFileOptions& options) {
-    try {
-      const TimeFileWriter writer(path_, shot_, params_, options);
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  EXPECT_EQ(refusal({0x1p-10, {}, "a"}), "");
-  EXPECT_EQ(refusal({0x1p-10, {}, "a"}), "");
-  EXPECT_THAT(refusal({0x1p-10, {}, "b"}), HasSubstr("of another rendering"));
-  EXPECT_THAT(refusal({0x1p-11, {}, "a"}), HasSubstr("of another rendering"));
-  EXPECT_THAT(refusal({0x1p-11, {}, "a"}), HasSubstr(path_ + ".part"));
-}
-
-TEST_F(TimeFiles, AreWrittenByOneAtATime) {
-  const TimeFileWriter writer(path_, shot_, params_);
-  EXPECT_THROW(TimeFileWriter(path_, shot_, params_), Error);
 }
 
 // Vertices of two keys on a straight line, cut out of the middle; a camera that turns and travels; what blends.
@@ -461,53 +270,6 @@ TEST_F(TimeFiles, HoldWhereEverythingIs) {
   }
   EXPECT_THROW(file.shot(1.9, 2.5), Error);
   EXPECT_THROW(file.shot(2.5, 2.5), Error);
-}
-
-TEST_F(TimeFiles, NoPrefixIsTakenForAWholeFile) {
-  params_.crop = Crop{0, 3, 0, 2};
-  write({0x1p-6, {}, "", true, true, true});
-  const std::string whole = bytes_of(path_);
-  EXPECT_EQ(message(path_), "");
-  for (size_t size = whole.size(); size-- > 0;) {
-    std::filesystem::resize_file(path_, size);
-    ASSERT_THAT(message(path_), HasSubstr(path_)) << size;
-  }
-  put_bytes(path_, whole + "\n");
-  EXPECT_THAT(message(path_), HasSubstr("has grown"));
-}
-
-TEST_F(TimeFiles, NoFlippedByteGoesUnnoticed) {
-  params_.crop = Crop{0, 3, 0, 2};
-  write({0x1p-6, {}, "", true, true, true});
-  const std::string whole = bytes_of(path_);
-  const Image right = TimeFile::open(path_).picture().expose();
-  const ExposedObjects objects = TimeFile::open(path_).picture().objects_at(0.5);
-  std::mt19937 random(test::seed());
-  std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
-  const auto put_byte = [&](size_t i, int byte) {
-    file.seekp(static_cast<std::streamoff>(i)).put(static_cast<char>(byte)).flush();
-  };
-  for (size_t i = 0; i < whole.size(); ++i)
-    for (const int flip : {1, std::uniform_int_distribution<>(2, 255)(random)}) {  // a digit becomes another one
-      put_byte(i, whole[i] ^ flip);
-      if (message(path_).empty()) {
-        const TimeFile same = TimeFile::open(path_);
-        expect_same(same.picture().expose(), right);
-        expect_same(same.picture().objects_at(0.5), objects);
-        EXPECT_EQ(same.picture().frame().open, 2);
-        EXPECT_EQ(same.picture().frame().close, 2.5);
-        EXPECT_EQ(same.picture().frame().fps, 24);
-        EXPECT_EQ(same.picture().frame().frame_width, 70);
-      }
-      put_byte(i, whole[i]);
-    }
-}
-
-TEST_F(TimeFiles, OtherFilesAreRefusedInOneLine) {
-  put_bytes(path_, std::string(1000, 'x'));
-  EXPECT_THAT(message(path_), HasSubstr("is no picture over time"));
-  EXPECT_THROW(TimeFile::open(path_ + "x"), Error);
-  EXPECT_THROW(TimeFile::open(folder_.path("")), Error);
 }
 
 }  // namespace
