@@ -272,8 +272,10 @@ typedef struct kairos_render_params {
   uint64_t seed;
   int32_t crop[4]; /* x0, x1, y0, y1; all 0: the whole frame */
   int32_t threads;
-  int32_t max_depth; /* how often light is mirrored, refracted or (path) scattered, at most 64; 0: 8; -1: never */
-  float clamp;       /* path: the most that a sample brings of what is scattered more than once; 0: all of it */
+  int32_t max_depth;   /* how often light is mirrored, refracted or (path) scattered, at most 64; 0: 8; -1: never */
+  float clamp;         /* path: the most that a sample brings of what is scattered more than once; 0: all of it */
+  const char* shadows; /* of lit pictures, see --shadows: "auto", "sampled" or "exact"; NULL: auto */
+  const char* cells;   /* of lit pictures, light that pixels share, see --cells: "auto", "on" or "off"; NULL: auto */
 } kairos_render_params;
 
 /* Told the fraction done by the thread that called, about twenty times a second; 0 stops. May be NULL. */

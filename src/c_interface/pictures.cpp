@@ -79,6 +79,8 @@ RenderParams params_of(const kairos_render_params* given) {
   params.threads = from.threads;
   if (from.max_depth != 0) params.max_depth = from.max_depth == -1 ? 0 : from.max_depth;
   params.clamp = from.clamp;
+  take("shadows", from.shadows, params.shadows);
+  take("cells", from.cells, params.cells);
   const auto& crop = from.crop;
   if (crop[0] != 0 || crop[1] != 0 || crop[2] != 0 || crop[3] != 0)
     params.crop = Crop{crop[0], crop[1], crop[2], crop[3]};

@@ -364,6 +364,8 @@ TEST(CInterface, PicturesAreTheSame) {
     params.max_depth = shading == ShadingKind::path ? -1 : 0;
     params.clamp = 0.25f;
     params.shading = to_string(shading).data();
+    params.shadows = "sampled";
+    params.cells = "on";
     params.aovs = "depth,coverage";
     kairos_image* image = nullptr;
     ASSERT_EQ(kairos_render(renderer, &params, nullptr, nullptr, &image), KAIROS_OK) << kairos_last_error();
@@ -376,6 +378,8 @@ TEST(CInterface, PicturesAreTheSame) {
     if (shading == ShadingKind::path) with.max_depth = 0;
     with.clamp = 0.25f;
     with.shading = shading;
+    with.shadows = Shadows::sampled;
+    with.cells = Cells::on;
     with.aovs = {Aov::depth, Aov::coverage};
     const Image expected = render(make_shot(*load_scene({path}), of_shot), with);
     for (const Channel& channel : expected.channels) {
@@ -388,6 +392,15 @@ TEST(CInterface, PicturesAreTheSame) {
     kairos_image_release(image);
   }
   kairos_image* image = nullptr;
+  kairos_render_params wrong{};
+  wrong.struct_size = sizeof(wrong);
+  wrong.cells = "some";
+  EXPECT_EQ(kairos_render(renderer, &wrong, nullptr, nullptr, &image), KAIROS_BAD_USAGE);
+  EXPECT_THAT(kairos_last_error(), HasSubstr("cells: 'some' is not one of"));
+  wrong.cells = nullptr;
+  wrong.shadows = "soft";
+  EXPECT_EQ(kairos_render(renderer, &wrong, nullptr, nullptr, &image), KAIROS_BAD_USAGE);
+  EXPECT_THAT(kairos_last_error(), HasSubstr("shadows: 'soft' is not one of"));
   EXPECT_EQ(kairos_render(
                 renderer, nullptr, [](void*, double) { return 0; }, nullptr, &image),
             KAIROS_CANCELLED);
