@@ -5,10 +5,10 @@
 //
 // Measures, for the CSV file: build_tc_s, build_discrete_s (each round; the shot's own keys), bytes_tc, bytes_discrete
 // (of the first of --keys), bytes_discrete_best, triangles, moving_triangles; for each number of camera rays per pixel
-// tc_ns and discrete_ns per ray, packet (how many of them go together), and for one time-continuous ray nodes, tests
-// (of triangles), root_solves, hits and segments; incoherent_tc_ns and incoherent_discrete_ns for single rays that each
-// go their own way; best_keys and best_keys_incoherent: how many motion keys of Embree's (--keys) were fastest, and so
-// are meant by "discrete".
+// tc_ns and discrete_ns per ray, packet (how many of them go together, with those of pixels beside it), and for one
+// time-continuous ray nodes, tests (of triangles), root_solves, hits and segments; incoherent_tc_ns and
+// incoherent_discrete_ns for single rays that each go their own way; best_keys and best_keys_incoherent: how many
+// motion keys of Embree's (--keys) were fastest, and so are meant by "discrete".
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -98,14 +98,17 @@ class Race {
   double per_ray() const { return 1e9 / static_cast<double>(std::max<size_t>(1, set_.rays.size())); }
 
   /// together: rays of a packet; 1: one by one.
-  void trace(size_t per_pixel, size_t together) {
-    for (size_t first = 0; first < set_.rays.size(); first += per_pixel)
-      for (size_t i = first; i < first + per_pixel; i += together)
+  /// per_strip: rays of which packets are made.
+  void trace(size_t per_strip, size_t together) {
+    for (size_t first = 0; first < set_.rays.size(); first += per_strip) {
+      const size_t end = std::min(first + per_strip, set_.rays.size());
+      for (size_t i = first; i < end; i += together)
         if (together == 1)
           tracer_.trace(set_.rays[i], Visibility::visible, workspace_);
         else
-          tracer_.trace_packet(std::span(set_.rays).subspan(i, std::min(together, first + per_pixel - i)),
-                               Visibility::visible, workspace_);
+          tracer_.trace_packet(std::span(set_.rays).subspan(i, std::min(together, end - i)), Visibility::visible,
+                               workspace_);
+    }
   }
   void intersect(const DiscreteScene& scene) { scene.intersect(set_.rays, set_.times, hits_); }
   void intersect_singly(const DiscreteScene& scene) {
@@ -178,10 +181,12 @@ void measure_rays(const Shot& shot, const Options& options, Rows& rows) {
   const PacketChoice packets = choose_packets(context, shot.projection, tracer);
   for (const int n : options.rays_per_pixel) {
     Race race(tracer, camera_rays(shot.projection, n, options.tiles));
-    const size_t per_pixel = static_cast<size_t>(n);
-    const bool share = !options.single && packets.together(static_cast<uint32_t>(n));
-    const size_t together = share ? std::min(Tracer::kMaxPacket, per_pixel) : 1;
-    const auto trace = [&] { race.trace(per_pixel, together); };
+    const auto count = static_cast<uint32_t>(n);
+    const int strip = options.single ? 1 : packets.strip(count);
+    const size_t per_strip = static_cast<size_t>(n) * static_cast<size_t>(strip);
+    const bool share = !options.single && (strip > 1 || packets.together(count));
+    const size_t together = share ? std::min(Tracer::kMaxPacket, per_strip) : 1;
+    const auto trace = [&] { race.trace(per_strip, together); };
     const auto intersect = [&] { race.intersect(scenes[best]); };
     trace();  // warms up
     race.forget_counters();

@@ -162,20 +162,26 @@ class Bench {
     const Tracer& tracer = parts_.tracer({});
     const DiscreteScene& discrete = parts_.discrete(keys_);
     const size_t most = tc ? Tracer::kMaxPacket : kRaysPerPoll;
-    const bool together = tc && choose_packets(context, shot_.projection, tracer).together(context.sampler.count());
-    std::vector<Ray> rays(static_cast<size_t>(count));
-    std::vector<float> times(rays.size());
-    std::vector<std::optional<DiscreteHit>> hits(rays.size());
+    const PacketChoice packets = tc ? choose_packets(context, shot_.projection, tracer) : PacketChoice();
+    const int strip = tc ? packets.strip(context.sampler.count()) : 1;
+    const bool together = strip > 1 || packets.together(context.sampler.count());
+    std::vector<Ray> rays;
+    std::vector<float> times;
+    std::vector<std::optional<DiscreteHit>> hits(static_cast<size_t>(count));
     Tracer::Workspace workspace;
     return seconds_of(processor_seconds, [&] {
       for (const Crop& band : bands_)
         for (int y = band.y0; y < band.y1; ++y)
-          for (int x = band.x0; x < band.x1; ++x) {
-            const Sampler::Pixel pixel = context.sampler.pixel(x, y);
-            for (uint32_t i = 0; i < context.sampler.count(); ++i) {
-              const SamplePoint point = context.sampler.point(pixel, i);
-              rays[i] = context.ray(x, y, point);
-              times[i] = point.time;
+          for (int left = band.x0; left < band.x1; left += strip) {
+            rays.clear();
+            times.clear();
+            for (int x = left; x < std::min(left + strip, band.x1); ++x) {
+              const Sampler::Pixel pixel = context.sampler.pixel(x, y);
+              for (uint32_t i = 0; i < context.sampler.count(); ++i) {
+                const SamplePoint point = context.sampler.point(pixel, i);
+                rays.push_back(context.ray(x, y, point));
+                times.push_back(point.time);
+              }
             }
             for (size_t i = 0; i < rays.size() && trace; i += most) {
               const size_t size = std::min(most, rays.size() - i);

@@ -69,10 +69,8 @@ void MixedFrame::estimate() {
   if (params.calibration) {
     plan.prices = prices_of(*params.calibration);
   } else {
-    const WorkSample work =
-        sample_ray_work(context, shot, mask, tracer, occluder_hints ? &scene : nullptr, plan.packets, shading);
-    plan.placed = work.placed;
-    plan.prices = estimate_prices(work, anything_still, params.shading);
+    plan.work = sample_ray_work(context, shot, mask, tracer, occluder_hints ? &scene : nullptr, plan.packets, shading);
+    plan.prices = estimate_prices(plan.work, anything_still, params.shading);
   }
   plan.allotment = Allotment(budget, plan.prices);
 }

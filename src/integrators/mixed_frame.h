@@ -34,6 +34,11 @@ class MixedFrame {
   /// For a pixel that may get time-continuous rays.
   PixelPlan plan_pixel(int x, int y) const;
 
+  /// Pixels beside each other that are planned together, and those of them with `tc_rays` rays that may be traced
+  /// together. Pixels with exposures of their own may look at different times.
+  int strip() const { return context.exposure ? 1 : plan.packets.longest_strip(); }
+  int strip(uint32_t tc_rays) const { return context.exposure ? 1 : plan.packets.strip(tc_rays); }
+
   /// Of a discrete sample, where nothing moves and where something does.
   double sample_price(DiscreteLayer layer) const;
 

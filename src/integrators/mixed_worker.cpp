@@ -24,23 +24,32 @@ MixedWorker::MixedWorker(const MixedFrame& frame, LookUps* look_ups)
     : frame_(frame),
       context_(frame.context),
       shading_(context_.shader, frame.tc_shading(), look_ups),
-      still_layer_(context_, frame.scene, look_ups),
+      packet_(context_),
+      strip_packet_(context_),
       samples_(context_, frame.scene, look_ups),
       contrast_(frame.shot.seen_background()),
       record_(context_.needs.surfaces()) {
+  places_.reserve(static_cast<size_t>(frame.strip()));
+  for (int i = 0; i < frame.strip(); ++i) places_.push_back({StillLayer(context_, frame.scene, look_ups)});
+  here_ = places_.data();
   if (frame.resting_shadows) resting_.emplace(*frame.resting_shadows);
 }
 
 const PixelRecord& MixedWorker::render_pixel(int x, int y, Monitor& monitor) {
   const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
-  const PixelPlan plan = begin_pixel(x, y, monitor);
+  // Whoever asks for a pixel again gets it made again.
+  const int left = x - x % frame_.strip();
+  if (left != strip_x_ || y != strip_y_ || x <= last_x_) begin_strip(left, y, monitor);
+  last_x_ = x;
+  here_ = &places_[static_cast<size_t>(x - strip_x_)];
+  const PixelPlan plan = here_->plan;
   const bool moves = frame_.mask.moves(x, y);
   moving_pixels_ += moves;
   record_.begin_pixel(x, y, context_.background, context_.times(x, y).window());
   record_.set_plan(plan, moves);
   if (plan.tc_rays > 0) {
     ++tc_pixels_;
-    render_moving(x, y, pixel, plan, monitor);
+    render_moving(x, y, pixel, plan, frame_.strip(plan.tc_rays) > 1, monitor);
   } else if (resting_ && !moves) {
     render_resting(x, y, pixel, monitor);
   } else {
@@ -49,15 +58,27 @@ const PixelRecord& MixedWorker::render_pixel(int x, int y, Monitor& monitor) {
   return record_.finish();
 }
 
+void MixedWorker::begin_strip(int left, int y, Monitor& monitor) {
+  strip_x_ = -1;  // until it is whole
+  strip_packet_.begin(y);
+  const int right = std::min(left + frame_.strip(), frame_.shot.projection.width);
+  for (int x = left; x < right; ++x) {
+    here_ = &places_[static_cast<size_t>(x - left)];
+    here_->plan = begin_pixel(x, y, monitor);
+  }
+  strip_x_ = left;
+  strip_y_ = y;
+}
+
 PixelPlan MixedWorker::begin_pixel(int x, int y, Monitor& monitor) {
   const PixelPlan discrete{0, frame_.budget};
-  shares_.reset();
+  here_->shares.reset();
   if (!frame_.is_over_time(x, y)) return discrete;
   const PixelPlan plan = frame_.plan_pixel(x, y);
   if (plan.tc_rays == 0) return discrete;
   // Of shots that follow on each other, rays are not to jump.
-  align_ = context_.needs.over_time() ? AlignedPoints() : align_points(frame_.mask, x, y);
-  still_layer_.begin_pixel(x, y, context_.sampler.pixel(x, y), align_);
+  here_->align = context_.needs.over_time() ? AlignedPoints() : align_points(frame_.mask, x, y);
+  here_->still_layer.begin_pixel(x, y, context_.sampler.pixel(x, y), here_->align);
   if (has_still_edge_in_front(x, y, monitor) || shows_others(x, y)) return discrete;
   return plan;
 }
@@ -70,11 +91,11 @@ PixelLook MixedWorker::look_at(int x, int y, Monitor& monitor) {
   contrast_.begin_pixel();
   double price = frame_.sample_price(layer);
   if (resting_ && layer == DiscreteLayer::still) {
-    still_layer_.begin_pixel(x, y, pixel, {});
-    still_layer_.add_rays(0, first, &*frame_.resting_shadows, monitor, record_);
+    here_->still_layer.begin_pixel(x, y, pixel, {});
+    here_->still_layer.add_rays(0, first, &*frame_.resting_shadows, monitor, record_);
     contrast_.add(record_, record_.still_rays());
     const double before = resting_->time();
-    resting_->add_exact(still_layer_, exact_rays(first), {}, record_);
+    resting_->add_exact(here_->still_layer, exact_rays(first), {}, record_);
     price *= 1 + (resting_->time() - before) / (first * lit_sample_time(frame_.shot, frame_.params.shading));
   } else {
     samples_.take(x, y, pixel, 0, first, layer, record_, monitor);
@@ -91,7 +112,7 @@ double MixedWorker::still_rays_share(int x, int y) {
 
 RacedPixel MixedWorker::race(int x, int y, Monitor& monitor) {
   const PixelPlan plan = frame_.plan.allotment.plan_over_time(dither(x, y));
-  shares_.reset();
+  here_->shares.reset();
   const ShadingKind shading = frame_.params.shading;
   const auto tc_time = [&] {  // of all rays so far
     const TraceCounters& counters = workspace_.counters();
@@ -105,12 +126,12 @@ RacedPixel MixedWorker::race(int x, int y, Monitor& monitor) {
   for (size_t half = 0; half < 2; ++half) {
     const Sampler::Pixel pixel = frame_.race_points[half].pixel(x, y);
     const auto begin = [&] { record_.begin_pixel(x, y, context_.background, context_.times(x, y).window()); };
-    align_ = align_points(frame_.mask, x, y);
-    still_layer_.begin_pixel(x, y, pixel, align_);
+    here_->align = align_points(frame_.mask, x, y);
+    here_->still_layer.begin_pixel(x, y, pixel, here_->align);
     for (size_t i = 0; i < result.tc.size(); ++i) {
       begin();
       const double before = tc_time();
-      render_moving(x, y, pixel, {result.tc[i].count, plan.discrete}, monitor);
+      render_moving(x, y, pixel, {result.tc[i].count, plan.discrete}, false, monitor);
       result.tc[i].time += (tc_time() - before) / 2;
       seen[i + 1][half] = reduce(record_.finish(), {}, false).colour;
     }
@@ -122,6 +143,8 @@ RacedPixel MixedWorker::race(int x, int y, Monitor& monitor) {
   result.discrete_error = squared_error(seen[0]);
   for (size_t i = 0; i < result.tc.size(); ++i) {
     result.tc[i].error = squared_error(seen[i + 1]);
+    // They were traced by themselves.
+    result.tc[i].time *= strip_share(frame_.plan.work, shading, result.tc[i].count);
     if (frame_.anything_still)
       result.tc[i].time += result.tc[i].count * still_sample_time(shading) + kShareRays * result.sample_time;
   }
@@ -130,11 +153,11 @@ RacedPixel MixedWorker::race(int x, int y, Monitor& monitor) {
 
 double MixedWorker::passing_shadow_time(int x, int y, Monitor& monitor) {
   const uint32_t looks = std::min(2u, frame_.budget);
-  still_layer_.begin_pixel(x, y, frame_.race_points[0].pixel(x, y), {});
+  here_->still_layer.begin_pixel(x, y, frame_.race_points[0].pixel(x, y), {});
   record_.begin_pixel(x, y, context_.background);
-  still_layer_.add_rays(0, looks, &*frame_.resting_shadows, monitor, record_);
+  here_->still_layer.add_rays(0, looks, &*frame_.resting_shadows, monitor, record_);
   const double before = resting_->time();
-  resting_->add_exact(still_layer_, looks, {}, record_);
+  resting_->add_exact(here_->still_layer, looks, {}, record_);
   return resting_->changes() ? (resting_->time() - before) / looks : 0;
 }
 
@@ -145,9 +168,9 @@ MixedWorker::ShadowRace MixedWorker::race_shadows(int x, int y, Monitor& monitor
   for (size_t half = 0; half < 2; ++half) {
     const Sampler::Pixel pixel = frame_.race_points[half].pixel(x, y);
     record_.begin_pixel(x, y, context_.background, window);
-    still_layer_.begin_pixel(x, y, pixel, {});
-    still_layer_.add_rays(0, frame_.budget, &*frame_.resting_shadows, monitor, record_);
-    resting_->add_exact(still_layer_, exact_rays(frame_.budget), window, record_);
+    here_->still_layer.begin_pixel(x, y, pixel, {});
+    here_->still_layer.add_rays(0, frame_.budget, &*frame_.resting_shadows, monitor, record_);
+    resting_->add_exact(here_->still_layer, exact_rays(frame_.budget), window, record_);
     exact[half] = reduce(record_.finish(), {}, false).colour;
     record_.begin_pixel(x, y, context_.background, window);
     samples_.take(x, y, pixel, 0, frame_.budget, DiscreteLayer::still, record_, monitor);
@@ -165,12 +188,18 @@ void MixedWorker::add_counts(RenderStats& stats) const {
 }
 
 void MixedWorker::add_ray_counts(RenderStats& stats) const {
-  stats.counters += workspace_.counters();
+  TraceCounters traced = workspace_.counters();
+  traced += strip_workspace_.counters();
+  stats.counters += traced;
   stats.counters += shading_.shadow_counters();
   if (resting_) stats.counters += resting_->counters();
-  stats.rays += workspace_.counters().rays + samples_.ray_count() + still_layer_.ray_count() + share_rays_;
-  stats.segments += workspace_.counters().segments + samples_.hit_count();
-  stats.shading_samples += shading_.evaluations() + samples_.evaluations() + still_layer_.evaluations();
+  stats.rays += traced.rays + samples_.ray_count() + share_rays_;
+  stats.segments += traced.segments + samples_.hit_count();
+  stats.shading_samples += shading_.evaluations() + samples_.evaluations();
+  for (const Place& place : places_) {
+    stats.rays += place.still_layer.ray_count();
+    stats.shading_samples += place.still_layer.evaluations();
+  }
 }
 
 /// Where something that stands still covers a part of the pixel in front of what moves, its outline is the noise,
@@ -178,7 +207,7 @@ void MixedWorker::add_ray_counts(RenderStats& stats) const {
 bool MixedWorker::has_still_edge_in_front(int x, int y, Monitor& monitor) {
   if (!frame_.automatic || frame_.still_layer_is_empty || context_.needs.over_time()) return false;
   const uint32_t probes = probe_rays(frame_.budget);
-  const uint32_t in_front = still_layer_.count_nearer(probes, frame_.mask.depth(x, y), monitor);
+  const uint32_t in_front = here_->still_layer.count_nearer(probes, frame_.mask.depth(x, y), monitor);
   return in_front > 0 && in_front < probes;
 }
 
@@ -202,20 +231,20 @@ void MixedWorker::render_resting(int x, int y, const Sampler::Pixel& pixel, Moni
   const std::optional<SampleSpread>& spread = frame_.plan.spread;
   const ExactShadows* shadows = &*frame_.resting_shadows;
   uint32_t taken = spread ? spread->first() : frame_.budget;
-  still_layer_.begin_pixel(x, y, pixel, {});
-  still_layer_.add_rays(0, taken, shadows, monitor, record_);
+  here_->still_layer.begin_pixel(x, y, pixel, {});
+  here_->still_layer.add_rays(0, taken, shadows, monitor, record_);
   if (spread) {
     contrast_.begin_pixel();
     contrast_.add(record_, record_.still_rays());
     while (taken < spread->count(contrast_.square())) {
-      still_layer_.add_rays(taken, 2 * taken, shadows, monitor, record_);
+      here_->still_layer.add_rays(taken, 2 * taken, shadows, monitor, record_);
       contrast_.add(record_, record_.still_rays().subspan(taken));
       taken *= 2;
     }
   }
   const uint32_t exact = exact_rays(taken);
   record_.set_plan({exact, taken}, false);
-  resting_->add_exact(still_layer_, exact, context_.times(x, y).window(), record_);
+  resting_->add_exact(here_->still_layer, exact, context_.times(x, y).window(), record_);
 }
 
 uint32_t MixedWorker::exact_rays(uint32_t still_rays) const {
@@ -223,30 +252,53 @@ uint32_t MixedWorker::exact_rays(uint32_t still_rays) const {
   return std::max(1u, still_rays / frame_.plan.still_rays_per_exact);
 }
 
-void MixedWorker::render_moving(int x, int y, const Sampler::Pixel& pixel, const PixelPlan& plan, Monitor& monitor) {
-  constexpr uint32_t kMostRays = Tracer::kMaxPacket;
-  const PixelTimes times = context_.times(x, y);
-  for (uint32_t begin = 0; begin < plan.tc_rays; begin += kMostRays) {
-    if (begin % kRaysPerPoll == 0) monitor.poll();
-    const uint32_t size = std::min(kMostRays, plan.tc_rays - begin);
-    for (uint32_t i = 0; i < size; ++i) {
-      const SamplePoint point = align_(context_.sampler.point(pixel, begin + i));
-      batch_[i] = context_.ray(x, y, point);
-      film_[i] = context_.film(point);
-      times_[i] = point.time;
+RowPacket::Rays MixedWorker::trace_alone(int x, int y, const Sampler::Pixel& pixel, uint32_t begin, uint32_t count,
+                                         Monitor& monitor) {
+  const uint32_t size = std::min(RowPacket::kMostRays, count - begin);
+  std::span<const Segment> occluder_hints;
+  if (frame_.occluder_hints) occluder_hints = here_->still_layer.occluder_hints(begin, size, monitor);
+  packet_.begin(y);
+  packet_.add(x, pixel, here_->align, begin, size, occluder_hints);
+  packet_.trace(frame_.tracer, workspace_, frame_.plan.packets.together(count), context_.times(x, y).limits());
+  return packet_.of(x);
+}
+
+RowPacket::Rays MixedWorker::trace_in_strip(int x, int y, Monitor& monitor) {
+  if (strip_packet_.holds(x, y)) return strip_packet_.of(x);
+  strip_packet_.begin(y);
+  const int right = std::min(strip_x_ + frame_.strip(), frame_.shot.projection.width);
+  for (int px = strip_x_; px < right; ++px) {
+    Place& place = places_[static_cast<size_t>(px - strip_x_)];
+    const uint32_t count = place.plan.tc_rays;
+    const int strip = frame_.strip(count);
+    if (strip == 1) continue;
+    if (!strip_packet_.fits(px, count, strip)) {
+      if (strip_packet_.holds(x, y)) break;
+      strip_packet_.begin(y);
     }
     std::span<const Segment> occluder_hints;
-    if (frame_.occluder_hints) occluder_hints = still_layer_.occluder_hints(begin, size, monitor);
-    const std::span<const Ray> rays = std::span(batch_).first(size);
-    const auto seen = frame_.tracer.trace_packet(rays, Visibility::visible, workspace_, occluder_hints,
-                                                 frame_.plan.packets.together(plan.tc_rays), times.limits());
-    for (const SeenByRay& ray : seen) layers_ += ray.blended.size();
+    if (frame_.occluder_hints) occluder_hints = place.still_layer.occluder_hints(0, count, monitor);
+    strip_packet_.add(px, context_.sampler.pixel(px, y), place.align, 0, count, occluder_hints);
+  }
+  strip_packet_.trace(frame_.tracer, strip_workspace_, true, {});
+  return strip_packet_.of(x);
+}
+
+void MixedWorker::render_moving(int x, int y, const Sampler::Pixel& pixel, const PixelPlan& plan, bool strip,
+                                Monitor& monitor) {
+  const PixelTimes times = context_.times(x, y);
+  for (uint32_t begin = 0; begin < plan.tc_rays; begin += RowPacket::kMostRays) {
+    if (begin % kRaysPerPoll == 0) monitor.poll();
+    const RowPacket::Rays rays =
+        strip ? trace_in_strip(x, y, monitor) : trace_alone(x, y, pixel, begin, plan.tc_rays, monitor);
+    for (const SeenByRay& ray : rays.seen) layers_ += ray.blended.size();
     ends_.clear();
     uint32_t first = record_.part_count();
-    shading_.shade({rays, seen, std::span(times_).first(size), pixel.seed, begin, times.window()}, record_, ends_);
-    for (uint32_t i = 0; i < size; ++i) {
-      record_.add_ray({film_[i], 1, PixelRay::kAll, first, ends_[i] - first,
-                       static_cast<uint32_t>(seen[i].segments.size() + seen[i].blended.size())});
+    shading_.shade({rays.rays, rays.seen, rays.times, pixel.seed, begin, times.window()}, record_, ends_);
+    for (uint32_t i = 0; i < rays.rays.size(); ++i) {
+      const SeenByRay& seen = rays.seen[i];
+      record_.add_ray({rays.film[i], 1, PixelRay::kAll, first, ends_[i] - first,
+                       static_cast<uint32_t>(seen.segments.size() + seen.blended.size())});
       first = ends_[i];
     }
   }
@@ -258,7 +310,7 @@ void MixedWorker::add_still_term(int x, int y, const PixelPlan& plan, Monitor& m
   if (!(share > 0)) return;
   const uint32_t count = frame_.automatic ? still_rays(plan, share) : std::max(plan.tc_rays, plan.discrete);
   if (count <= plan.tc_rays) return;
-  still_layer_.add_rays(0, count, frame_.tc_shadows ? &*frame_.tc_shadows : nullptr, monitor, record_);
+  here_->still_layer.add_rays(0, count, frame_.tc_shadows ? &*frame_.tc_shadows : nullptr, monitor, record_);
   record_.set_still(plan.tc_rays, static_cast<float>(share));
 }
 
@@ -267,15 +319,15 @@ double MixedWorker::find_sample_time(int x, int y, const Sampler::Pixel& pixel, 
   constexpr uint32_t kMostRays = 4;
   const uint32_t count = std::min(kMostRays, context_.sampler.count());
   std::span<const Segment> hints;
-  if (frame_.occluder_hints) hints = still_layer_.occluder_hints(0, count, monitor);
+  if (frame_.occluder_hints) hints = here_->still_layer.occluder_hints(0, count, monitor);
   const auto time = [&] {  // of all rays so far
     const TraceCounters& counters = instants_.counters();
     return static_cast<double>(counters.rays) *
-           sample_time({counters, 0, 0}, frame_.plan.placed, frame_.anything_still, frame_.params.shading);
+           sample_time({counters, 0, 0}, frame_.plan.work.placed, frame_.anything_still, frame_.params.shading);
   };
   const double before = time();
   for (uint32_t i = 0; i < count; ++i) {
-    const Ray ray = context_.ray(x, y, align_(context_.sampler.point(pixel, i)));
+    const Ray ray = context_.ray(x, y, here_->align(context_.sampler.point(pixel, i)));
     const auto instant = static_cast<uint32_t>(pixel.seed + uint64_t{i} * (kInstants / kMostRays));
     frame_.tracer.trace_packet({&ray, 1}, Visibility::visible, instants_, hints.empty() ? hints : hints.subspan(i, 1),
                                false, instant_limits(instant));
@@ -290,7 +342,7 @@ bool MixedWorker::shows_others(int x, int y) {
 }
 
 const MixedWorker::Shares& MixedWorker::shares_of(int x, int y) {
-  if (shares_) return *shares_;
+  if (here_->shares) return *here_->shares;
   const Sampler& sampler = frame_.share_points;
   const Sampler::Pixel pixel = sampler.pixel(x, y);
   std::array<Ray, kShareRays> rays;
@@ -307,7 +359,7 @@ const MixedWorker::Shares& MixedWorker::shares_of(int x, int y) {
   const auto share_of = [&](const auto& is_part) {
     return static_cast<double>(std::count_if(hits.begin(), hits.end(), is_part)) / kShareRays;
   };
-  return shares_.emplace(
+  return here_->shares.emplace(
       Shares{share_of([&](const auto& hit) { return !hit || frame_.shot.meshes[hit->mesh].is_static(); }),
              share_of([&](const auto& hit) { return hit && context_.shader.shows_others(hit->mesh); })});
 }

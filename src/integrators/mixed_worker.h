@@ -18,6 +18,7 @@
 #include "integrators/discrete_samples.h"
 #include "integrators/mixed_frame.h"
 #include "integrators/resting_pixels.h"
+#include "integrators/row_packet.h"
 #include "integrators/still_layer.h"
 #include "motion/aligned_points.h"
 
@@ -53,37 +54,51 @@ class MixedWorker : public Integrator::Worker {
   ShadowRace race_shadows(int x, int y, Monitor& monitor);
 
  private:
+  /// What a few discrete rays, independent of all others, see of the pixel.
+  struct Shares {
+    double still = 0;   ///< of what stands still
+    double others = 0;  ///< of what shows something else, see Shader::shows_others
+  };
+  /// What is known of a pixel before it is rendered.
+  struct Place {
+    StillLayer still_layer;
+    PixelPlan plan{};
+    AlignedPoints align{};           ///< of its time-continuous rays
+    std::optional<Shares> shares{};  ///< once they are known
+  };
+
   bool has_still_edge_in_front(int x, int y, Monitor& monitor);
   bool shows_others(int x, int y);
   void render_discrete(int x, int y, const Sampler::Pixel& pixel, DiscreteLayer layer, Monitor& monitor);
   void render_resting(int x, int y, const Sampler::Pixel& pixel, Monitor& monitor);
   /// Along how many of a pixel's still rays shadows are found exactly.
   uint32_t exact_rays(uint32_t still_rays) const;
-  void render_moving(int x, int y, const Sampler::Pixel& pixel, const PixelPlan& plan, Monitor& monitor);
+  /// Plans all pixels of a strip.
+  void begin_strip(int left, int y, Monitor& monitor);
+  /// strip: with the rays of pixels beside it, see PacketChoice::strip; else by itself.
+  void render_moving(int x, int y, const Sampler::Pixel& pixel, const PixelPlan& plan, bool strip, Monitor& monitor);
+  RowPacket::Rays trace_alone(int x, int y, const Sampler::Pixel& pixel, uint32_t begin, uint32_t count,
+                              Monitor& monitor);
+  /// Unless it has been traced already, the packet of the strip that pixel (x, y) is in: each takes as many pixels as
+  /// fit in.
+  RowPacket::Rays trace_in_strip(int x, int y, Monitor& monitor);
   void add_still_term(int x, int y, const PixelPlan& plan, Monitor& monitor);
-  /// What a few discrete rays, independent of all others, see of the pixel.
-  struct Shares {
-    double still = 0;   ///< of what stands still
-    double others = 0;  ///< of what shows something else, see Shader::shows_others
-  };
   const Shares& shares_of(int x, int y);
   double find_sample_time(int x, int y, const Sampler::Pixel& pixel, Monitor& monitor);
 
   const MixedFrame& frame_;
   const PixelContext& context_;
-  Tracer::Workspace workspace_, instants_;
+  Tracer::Workspace workspace_, strip_workspace_, instants_;
   PacketShading shading_;
+  RowPacket packet_, strip_packet_;
   std::vector<uint32_t> ends_;  // [ray of a packet]: of its parts
-  AlignedPoints align_;         // of the pixel's time-continuous rays
-  StillLayer still_layer_;
+  std::vector<Place> places_;   // [pixel of the strip]
+  int strip_x_ = -1, strip_y_ = -1, last_x_ = -1;
+  Place* here_;  // the pixel's
   DiscreteSamples samples_;
   std::optional<RestingPixels> resting_;
   Contrast contrast_;
   RecordBuilder record_;
-  std::array<Ray, Tracer::kMaxPacket> batch_;
-  std::array<Vec2f, Tracer::kMaxPacket> film_{};
-  std::array<float, Tracer::kMaxPacket> times_{};
-  std::optional<Shares> shares_;  // of the pixel, once they are known
   uint64_t moving_pixels_ = 0, tc_pixels_ = 0, share_rays_ = 0, layers_ = 0;
 };
 

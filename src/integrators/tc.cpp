@@ -1,6 +1,5 @@
 // Time-continuous rays: exact visibility over the shutter, sampled over the pixel, shaded at instants.
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -8,6 +7,7 @@
 #include "integrators/cell_tiles.h"
 #include "integrators/frame_plan.h"
 #include "integrators/integrator.h"
+#include "integrators/row_packet.h"
 #include "integrators/shadow_choice.h"
 #include "motion/aligned_points.h"
 #include "policy/packet_choice.h"
@@ -23,8 +23,16 @@ class TcIntegrator : public Integrator {
   /// mask: null to leave the points of a pixel where they are.
   /// scene: where the plan has exact shadows.
   TcIntegrator(const FramePlan& plan, const CellPlan& cells, const MotionMask* mask, const Tracer& tracer,
-               const DiscreteScene* scene, ShadingOptions shading, const PixelContext& context)
-      : context_(context), shading_(shading), cells_(cells), mask_(mask), tracer_(tracer), packets_(plan.packets) {
+               const DiscreteScene* scene, ShadingOptions shading, const PixelContext& context, int frame_width)
+      : context_(context),
+        shading_(shading),
+        cells_(cells),
+        mask_(mask),
+        tracer_(tracer),
+        packets_(plan.packets),
+        // Pixels with exposures of their own may look at different times.
+        strip_(context.exposure ? 1 : packets_.strip(context.sampler.count())),
+        width_(frame_width) {
     if (plan.exact_shadows.empty()) return;
     shadows_.emplace(context.shader, tracer, *scene, plan.exact_shadows);
     shading_.shadows = &*shadows_;
@@ -43,34 +51,29 @@ class TcIntegrator : public Integrator {
         : integrator_(integrator),
           context_(integrator.context_),
           shading_(integrator.context_.shader, integrator.shading_, look_ups),
+          packet_(context_),
           record_(context_.needs.surfaces()) {}
 
     const PixelRecord& render_pixel(int x, int y, Monitor& monitor) override {
       const PixelTimes times = context_.times(x, y);
       record_.begin_pixel(x, y, context_.background, times.window());
-      record_.set_plan({context_.sampler.count(), 0}, true);
-      const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
       const uint32_t count = context_.sampler.count();
-      const AlignedPoints align =
-          integrator_.mask_ != nullptr ? align_points(*integrator_.mask_, x, y) : AlignedPoints();
+      record_.set_plan({count, 0}, true);
+      const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
       for (uint32_t begin = 0; begin < count; begin += kMostRays) {
         if (begin % kRaysPerPoll == 0) monitor.poll();
-        const uint32_t size = std::min(kMostRays, count - begin);
-        for (uint32_t i = 0; i < size; ++i) {
-          const SamplePoint point = align(context_.sampler.point(pixel, begin + i));
-          rays_[i] = context_.ray(x, y, point);
-          film_[i] = context_.film(point);
-          times_[i] = point.time;
-        }
-        const std::span<const Ray> rays = std::span(rays_).first(size);
-        const auto seen = integrator_.tracer_.trace_packet(rays, Visibility::visible, workspace_, {},
-                                                           integrator_.packets_.together(count), times.limits());
+        if (integrator_.strip_ == 1)
+          trace_alone(x, y, pixel, begin, times.limits());
+        else if (!packet_.holds(x, y))
+          trace_strip(x, y);
+        const RowPacket::Rays rays = packet_.of(x);
         ends_.clear();
         uint32_t first = record_.part_count();
-        shading_.shade({rays, seen, std::span(times_).first(size), pixel.seed, begin, times.window()}, record_, ends_);
-        for (uint32_t i = 0; i < size; ++i) {
-          record_.add_ray({film_[i], 1, PixelRay::kAll, first, ends_[i] - first,
-                           static_cast<uint32_t>(seen[i].segments.size() + seen[i].blended.size())});
+        shading_.shade({rays.rays, rays.seen, rays.times, pixel.seed, begin, times.window()}, record_, ends_);
+        for (uint32_t i = 0; i < rays.rays.size(); ++i) {
+          const SeenByRay& seen = rays.seen[i];
+          record_.add_ray({rays.film[i], 1, PixelRay::kAll, first, ends_[i] - first,
+                           static_cast<uint32_t>(seen.segments.size() + seen.blended.size())});
           first = ends_[i];
         }
       }
@@ -86,15 +89,30 @@ class TcIntegrator : public Integrator {
     }
 
    private:
-    static constexpr uint32_t kMostRays = Tracer::kMaxPacket;
+    static constexpr uint32_t kMostRays = RowPacket::kMostRays;
+
+    AlignedPoints align(int x, int y) const {
+      return integrator_.mask_ != nullptr ? align_points(*integrator_.mask_, x, y) : AlignedPoints();
+    }
+    void trace_alone(int x, int y, const Sampler::Pixel& pixel, uint32_t begin, const TraceLimits& limits) {
+      const uint32_t count = context_.sampler.count();
+      packet_.begin(y);
+      packet_.add(x, pixel, align(x, y), begin, std::min(kMostRays, count - begin));
+      packet_.trace(integrator_.tracer_, workspace_, integrator_.packets_.together(count), limits);
+    }
+    void trace_strip(int x, int y) {
+      const int left = x - x % integrator_.strip_;
+      packet_.begin(y);
+      for (int px = left; px < std::min(left + integrator_.strip_, integrator_.width_); ++px)
+        packet_.add(px, context_.sampler.pixel(px, y), align(px, y), 0, context_.sampler.count());
+      packet_.trace(integrator_.tracer_, workspace_, true, {});
+    }
 
     const TcIntegrator& integrator_;
     const PixelContext& context_;
     Tracer::Workspace workspace_;
-    std::array<Ray, kMostRays> rays_;
-    std::array<Vec2f, kMostRays> film_{};
-    std::array<float, kMostRays> times_{};  // of the sample points
     PacketShading shading_;
+    RowPacket packet_;
     RecordBuilder record_;
     std::vector<uint32_t> ends_;  // [ray of a packet]: of its parts
   };
@@ -106,6 +124,7 @@ class TcIntegrator : public Integrator {
   const MotionMask* mask_;
   const Tracer& tracer_;
   PacketChoice packets_;
+  int strip_, width_;  // pixels that are traced together, and in a row of the frame
   std::optional<ExactShadows> shadows_;
 };
 
@@ -136,7 +155,8 @@ std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderPar
   CellPlan cells;
   if (shading.clusters == Clusters::pixel)
     cells = plan_cells(parts.shot(), params, context.needs, params.tc_rays * shading.samples);
-  return std::make_unique<TcIntegrator>(plan, cells, mask, tracer, scene, shading, context);
+  return std::make_unique<TcIntegrator>(plan, cells, mask, tracer, scene, shading, context,
+                                        parts.shot().projection.width);
 }
 
 }  // namespace kairos

@@ -75,13 +75,13 @@ WorkSample sample_ray_work(const PixelContext& context, const Shot& shot, const 
     if (mask.moves(places[i].x, places[i].y)) pixels.push_back(places[i]);
 
   const Sampler points(SamplerKind::owen_sobol, kMostRays, 0);
-  std::array<TraceCounters, kCounts.size()> counters{};
-  std::array<uint64_t, kCounts.size()> evaluations{}, layers{};
+  std::array<TraceCounters, kCounts.size()> together{}, alone{};
+  std::array<uint64_t, kCounts.size()> evaluations{}, layers{};  // of the rays alone
   TraceCounters instant;
   uint64_t placed = 0;  // segments
   std::mutex mutex;     // of these sums
   parallel_for(pixels.size(), kPixelsPerTask, [&](size_t begin, size_t end) {
-    std::array<Tracer::Workspace, kCounts.size()> workspaces;
+    std::array<Tracer::Workspace, kCounts.size()> strips, workspaces;
     Tracer::Workspace instants;
     std::array<uint64_t, kCounts.size()> layers_here{};
     uint64_t placed_here = 0;
@@ -92,9 +92,16 @@ WorkSample sample_ray_work(const PixelContext& context, const Shot& shot, const 
     std::vector<uint32_t> ends;
     std::array<float, kMostRays> phases;
     phases.fill(0.5f);
-    std::array<Ray, kMostRays> rays;
+    std::array<Ray, kMostRays> rays, strip;
     std::array<std::optional<DiscreteHit>, kMostRays> still;
-    std::vector<Segment> seen_still;
+    std::vector<Segment> seen_still, seen_by_strip;
+    const auto see_still = [&](std::span<const Ray> of, std::vector<Segment>& seen) {
+      seen.clear();
+      if (hints == nullptr) return;
+      const auto hits = std::span(still).first(of.size());
+      hints->intersect(of, std::span(phases).first(of.size()), hits, DiscreteLayer::still);
+      for (const auto& hit : hits) seen.push_back(occluder_hint(hit));
+    };
     const auto hints_of = [&](size_t first, size_t count) {
       return hints == nullptr ? std::span<const Segment>() : std::span<const Segment>(seen_still).subspan(first, count);
     };
@@ -102,11 +109,7 @@ WorkSample sample_ray_work(const PixelContext& context, const Shot& shot, const 
       const auto [x, y] = pixels[i];
       const Sampler::Pixel pixel = points.pixel(x, y);
       for (uint32_t k = 0; k < kMostRays; ++k) rays[k] = context.ray(x, y, points.point(pixel, k));
-      if (hints != nullptr) {
-        hints->intersect(rays, phases, still, DiscreteLayer::still);
-        seen_still.clear();
-        for (const auto& hit : still) seen_still.push_back(occluder_hint(hit));
-      }
+      see_still(rays, seen_still);
       for (size_t n = 0; n < kCounts.size(); ++n) {
         const auto count = static_cast<uint32_t>(kCounts[n]);
         const std::span<const Ray> first = std::span(rays).first(count);
@@ -116,6 +119,17 @@ WorkSample sample_ray_work(const PixelContext& context, const Shot& shot, const 
         shaded.clear();
         ends.clear();
         shadings[n].shade({first, seen, std::span(phases).first(count), pixel.seed, 0}, shaded, ends);
+        const int wide = packets.strip(count);
+        if (wide == 1) continue;
+        const int left = x - x % wide, right = std::min(left + wide, shot.projection.width);
+        uint32_t size = 0;
+        for (int px = left; px < right; ++px) {
+          const Sampler::Pixel beside = points.pixel(px, y);
+          for (uint32_t k = 0; k < count; ++k) strip[size++] = context.ray(px, y, points.point(beside, k));
+        }
+        const std::span<const Ray> all = std::span(strip).first(size);
+        see_still(all, seen_by_strip);
+        tracer.trace_packet(all, Visibility::visible, strips[n], seen_by_strip, true);
       }
       for (uint32_t k = 0; k < kInstants; ++k) {
         const auto seen = tracer.trace_packet(std::span(rays).subspan(k, 1), Visibility::visible, instants,
@@ -125,7 +139,8 @@ WorkSample sample_ray_work(const PixelContext& context, const Shot& shot, const 
     }
     const std::lock_guard<std::mutex> lock(mutex);
     for (size_t n = 0; n < kCounts.size(); ++n) {
-      counters[n] += workspaces[n].counters();
+      together[n] += strips[n].counters();
+      alone[n] += workspaces[n].counters();
       evaluations[n] += shadings[n].evaluations();
       layers[n] += layers_here[n];
     }
@@ -133,7 +148,13 @@ WorkSample sample_ray_work(const PixelContext& context, const Shot& shot, const 
     placed += placed_here;
   });
   WorkSample sum;
-  for (size_t n = 0; n < kCounts.size(); ++n) sum.tc[n] = RayWork(counters[n], evaluations[n], layers[n]);
+  for (size_t n = 0; n < kCounts.size(); ++n) {
+    sum.tc[n] = sum.alone[n] = RayWork(alone[n], evaluations[n], layers[n]);
+    if (together[n].rays == 0) continue;
+    sum.tc[n] = RayWork(together[n], 0, 0);
+    sum.tc[n].evaluations = sum.alone[n].evaluations;
+    sum.tc[n].layers = sum.alone[n].layers;
+  }
   sum.instant = RayWork(instant, 0, 0);
   if (instant.segments > 0) sum.placed = static_cast<double>(placed) / static_cast<double>(instant.segments);
   return sum;
@@ -146,6 +167,12 @@ double tracing_time(double nodes, double triangles, double hits) {
 double tc_ray_time(const RayWork& work, ShadingKind shading) {
   return kRay + kNode * work.nodes + kTriangle * work.triangles + kSolve * work.root_solves + kHit * work.hits +
          kSegment * work.segments + (kEvaluation + light_time(shading)) * work.evaluations + kLayer * work.layers;
+}
+
+double strip_share(const WorkSample& work, ShadingKind shading, uint32_t rays) {
+  size_t i = 0;  // what has so many rays or more in a pixel
+  while (i + 1 < work.tc.size() && static_cast<uint32_t>(Calibration::kRays[i]) < rays) ++i;
+  return tc_ray_time(work.tc[i], shading) / tc_ray_time(work.alone[i], shading);
 }
 
 double sample_time(const RayWork& instant, double placed, bool anything_still, ShadingKind shading) {

@@ -36,11 +36,14 @@ struct RayWork {
 
 /// Of rays through pixels in which something moves; zero where there are none.
 struct WorkSample {
-  /// Of time-continuous rays, where there are as many of them in a pixel as Calibration::kRays says.
+  /// Of time-continuous rays, where there are as many of them in a pixel as Calibration::kRays says: as they are
+  /// traced, see PacketChoice.
   std::array<RayWork, Calibration::kRays.size()> tc{};
   /// Of rays that look for a sixteenth of the shutter: about what a discrete ray passes.
-  RayWork instant;
+  RayWork instant{};
   double placed = 0;  ///< the share of what these see that are instances
+  /// As `tc`, without rays of other pixels.
+  std::array<RayWork, Calibration::kRays.size()> alone{};
 };
 
 /// Sixteenths of the shutter are the shortest times of which a tree leaves out what happens at others.
@@ -64,6 +67,9 @@ inline constexpr uint32_t kShareRays = 4;
 double tracing_time(double nodes, double triangles, double hits);
 /// Of a time-continuous ray from the camera, with shading.
 double tc_ray_time(const RayWork& work, ShadingKind shading);
+/// What rays that are traced with those of other pixels take, as a share of what they would by themselves; of `rays` in
+/// a pixel.
+double strip_share(const WorkSample& work, ShadingKind shading, uint32_t rays);
 /// Of a discrete ray to everything. instant, placed: see WorkSample. anything_still: does any mesh have a single key?
 double sample_time(const RayWork& instant, double placed, bool anything_still, ShadingKind shading);
 double still_sample_time(ShadingKind shading);  ///< of one to what stands still

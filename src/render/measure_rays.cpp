@@ -9,6 +9,7 @@
 #include <kairos/error.h>
 #include <kairos/picture.h>
 
+#include "policy/packet_choice.h"
 #include "render/bands.h"
 #include "shading/spread.h"
 
@@ -16,15 +17,15 @@ namespace kairos {
 
 namespace {
 
-/// Pixels are taken in squares, as a picture is rendered tile by tile: what is next to each other is in the caches.
-constexpr int kSquare = 4;
-constexpr size_t kSquares = 64;            // to be measured
-constexpr uint32_t kTries = 4 * kSquares;  // at most, to find squares in which something moves
+/// Pixels are taken in stretches of a row that may be traced together, as pictures are rendered: what is next to each
+/// other is in the caches.
+constexpr int kStretch = PacketChoice::kLongestStrip;
+constexpr size_t kStretches = 64;            // to be measured
+constexpr uint32_t kTries = 4 * kStretches;  // at most, to find stretches in which something moves
 constexpr size_t kWays = 3 + Calibration::kRays.size();
-constexpr int kRounds = static_cast<int>(kMeasuringSteps / kWays) -
-                        1;          // after a first one                            // of which medians are taken
-constexpr double kShortest = 2e-3;  // seconds: clocks tick
-constexpr int kDiscreteSamples = 64, kFewStillRays = 4;  // in a pixel
+constexpr int kRounds = static_cast<int>(kMeasuringSteps / kWays) - 1;  // of which medians are taken, after a first one
+constexpr double kShortest = 2e-3;                                      // seconds: clocks tick
+constexpr int kDiscreteSamples = 64, kFewStillRays = 4;                 // in a pixel
 
 /// Processor time of this thread.
 double thread_seconds() {
@@ -45,18 +46,18 @@ PixelPlaces moving_pixels(const MotionMask& mask, const Crop& part) {
   const int width = part.x1 - part.x0, height = part.y1 - part.y0;
   PixelPlaces pixels;
   const Sampler places(SamplerKind::owen_sobol, kTries, 0);
-  const auto add_square = [&](int left, int top) {
-    for (int y = top; y < std::min(top + kSquare, part.y1); ++y)
-      for (int x = left; x < std::min(left + kSquare, part.x1); ++x)
-        if (mask.moves(x, y)) pixels.emplace_back(x, y);
+  const auto add_stretch = [&](int x0, int y) {
+    const int left = std::max(part.x0, x0 - x0 % kStretch);
+    for (int x = left; x < std::min(x0 - x0 % kStretch + kStretch, part.x1); ++x)
+      if (mask.moves(x, y)) pixels.emplace_back(x, y);
   };
-  for (uint32_t i = 0; i < kTries && pixels.size() < kSquares * kSquare * kSquare; ++i) {
+  for (uint32_t i = 0; i < kTries && pixels.size() < kStretches * kStretch; ++i) {
     const SamplePoint place = places.point(places.pixel(0, 0), i);
-    add_square(part.x0 + static_cast<int>(place.x * static_cast<float>(width)),
-               part.y0 + static_cast<int>(place.y * static_cast<float>(height)));
+    add_stretch(part.x0 + static_cast<int>(place.x * static_cast<float>(width)),
+                part.y0 + static_cast<int>(place.y * static_cast<float>(height)));
   }
   // A small figure is easily missed: whatever moves, in the order of the picture.
-  const size_t enough = kSquares * kSquare;
+  const size_t enough = kStretches * 4;
   for (int y = part.y0; y < part.y1 && pixels.size() < enough; ++y)
     for (int x = part.x0; x < part.x1 && pixels.size() < enough; ++x)
       if (mask.moves(x, y)) pixels.emplace_back(x, y);

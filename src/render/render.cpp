@@ -25,7 +25,7 @@ namespace kairos {
 
 namespace {
 
-constexpr int kTileSize = 16;                     // pixels; of a flat crop, tiles of as many pixels are wider
+constexpr int kTileSize = 16;                     // pixels; of a flat crop, tiles of about as many pixels are wider
 constexpr int kMaxSide = 65536;                   // pixels
 constexpr int64_t kMaxPixels = int64_t{1} << 28;  // of the part that is rendered
 constexpr int kMaxShadingSamples = 1 << 16;
@@ -129,8 +129,9 @@ void render_tiles(const Integrator& integrator, std::span<PixelConsumer* const> 
                   Monitor& monitor, RenderStats& stats) {
   const int aligned = integrator.tile_side();
   const int height = aligned > 0 ? aligned : kTileSize;
-  const int width = aligned > 0 ? aligned : kTileSize * kTileSize / std::min(kTileSize, crop.y1 - crop.y0);
-  const int first_x = aligned > 0 ? crop.x0 - crop.x0 % aligned : crop.x0;
+  const int stretches = (kTileSize - 1) / std::min(kTileSize, crop.y1 - crop.y0) + 1;
+  const int width = aligned > 0 ? aligned : stretches * kTileSize;
+  const int first_x = crop.x0 - crop.x0 % (aligned > 0 ? aligned : kTileSize);  // strips of pixels stay whole
   const int first_y = aligned > 0 ? crop.y0 - crop.y0 % aligned : crop.y0;
   const int columns = (crop.x1 - first_x + width - 1) / width, rows = (crop.y1 - first_y + height - 1) / height;
   std::mutex mutex;  // of stats

@@ -1,0 +1,94 @@
+// The time-continuous rays of a pixel, or of a few pixels beside each other, traced in one packet.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <kairos/tracer.h>
+
+#include "motion/aligned_points.h"
+#include "shading/pixel_context.h"
+
+namespace kairos {
+
+/// One thread's scratch memory. Which rays a packet has decides how they are rounded, so whoever fills it with those of
+/// several pixels takes the same ones whichever of them are asked for.
+class RowPacket {
+ public:
+  static constexpr uint32_t kMostRays = Tracer::kMaxPacket;
+
+  explicit RowPacket(const PixelContext& context) : context_(context) {}
+
+  /// Empties it, for pixels of row y.
+  void begin(int y) {
+    y_ = y;
+    count_ = 0;
+    pixels_.clear();
+    occluder_hints_.clear();
+  }
+  /// May a pixel's `count` rays join it: are they few and near enough? strip: see PacketChoice.
+  bool fits(int x, uint32_t count, int strip) const {
+    return count_ + count <= kMostRays && (pixels_.empty() || x - pixels_.front().x < strip);
+  }
+
+  /// Adds rays `first` to `first + count - 1` of a pixel, which fit in. occluder_hints: of all pixels, or of none.
+  void add(int x, const Sampler::Pixel& pixel, const AlignedPoints& align, uint32_t first, uint32_t count,
+           std::span<const Segment> occluder_hints = {}) {
+    pixels_.push_back({x, count_, count});
+    for (uint32_t i = 0; i < count; ++i) {
+      const SamplePoint point = align(context_.sampler.point(pixel, first + i));
+      rays_[count_] = context_.ray(x, y_, point);
+      film_[count_] = context_.film(point);
+      times_[count_] = point.time;
+      ++count_;
+    }
+    occluder_hints_.insert(occluder_hints_.end(), occluder_hints.begin(), occluder_hints.end());
+  }
+
+  /// limits: of all pixels.
+  void trace(const Tracer& tracer, Tracer::Workspace& workspace, bool together, const TraceLimits& limits) {
+    seen_ = tracer.trace_packet(std::span(rays_).first(count_), Visibility::visible, workspace, occluder_hints_,
+                                together, limits);
+  }
+
+  bool holds(int x, int y) const { return y == y_ && find(x) != nullptr; }
+
+  /// Of one pixel; valid until the workspace is used again.
+  struct Rays {
+    std::span<const Ray> rays;
+    std::span<const SeenByRay> seen;
+    std::span<const float> times;  ///< of the sample points
+    std::span<const Vec2f> film;
+  };
+  /// x: of a pixel that was added.
+  Rays of(int x) const {
+    const Place& place = *find(x);
+    const auto some = [&](auto&& all) { return std::span(all).subspan(place.first, place.count); };
+    return {some(rays_), some(seen_), some(times_), some(film_)};
+  }
+
+ private:
+  struct Place {
+    int x;
+    uint32_t first, count;
+  };
+  const Place* find(int x) const {
+    for (const Place& place : pixels_)
+      if (place.x == x) return &place;
+    return nullptr;
+  }
+
+  const PixelContext& context_;
+  int y_ = 0;
+  uint32_t count_ = 0;
+  std::vector<Place> pixels_;
+  std::array<Ray, kMostRays> rays_;
+  std::array<Vec2f, kMostRays> film_{};
+  std::array<float, kMostRays> times_{};
+  std::vector<Segment> occluder_hints_;
+  std::span<const SeenByRay> seen_;
+};
+
+}  // namespace kairos
