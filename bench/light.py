@@ -5,12 +5,14 @@
                    [--reference 1024] [--shading whitted]
     bench/light.py FOLDER --scan
     bench/light.py FOLDER --shadow-prices [--scenes shade]
+    bench/light.py FOLDER --ground
 
 FOLDER: where scenes are, or are made, and pictures go. Prints a table in Markdown: decibels against discrete samples (two pictures of --reference samples, whose own
 noise is taken off; values above 1 count as 1), in seconds of processor time of one thread without loading and building, and the gain over discrete
 samples on straight lines of decibels over the logarithm of time; medians over seeds. Below, which method loses where. With --scan it looks instead for pixels that are
 negative or no number in pictures of few samples of all scenes by all integrators, and ends with status 1 where it finds one. With --shadow-prices it
-measures what exact and sampled shadows cost, in nanoseconds, for the constants of src/policy/ray_prices.h and shadow_race.cpp.
+measures what exact and sampled shadows cost, in nanoseconds, for the constants of src/policy/ray_prices.h and shadow_race.cpp. With --ground it compares what
+the sun brings to the ground under the blades, discrete and exact in time, where the ground alone is seen.
 
 Needs Python's standard library alone.
 """
@@ -28,7 +30,7 @@ import zlib
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SCENES = {"glass": "glass/scene.json", "marbles": "marbles/scene.json", "hall": "hall/scene.json", "still": "still/scene.json", "fan": "fan/scene.json",
-          "shade": "shade/scene.json", "foliage": "foliage/scene.json", "blades": "blades/scene.json", "kitchen": "kitchen/scene.pbrt"}
+          "shade": "shade/scene.json", "mirrors": "mirrors/scene.json", "foliage": "foliage/scene.json", "blades": "blades/scene.json", "kitchen": "kitchen/scene.pbrt"}
 OPTIONS = {"hall": ["--frame", "6"]}
 
 
@@ -111,6 +113,31 @@ def squared(a, b):
 
 def decibels(error):
     return -10 * math.log10(max(error, 1e-12))
+
+
+def ground(renderer, args):
+    """Of the blades by the sun alone; pixels that see nothing but the ground, which rests, with the whirlwind's shadow."""
+    scene = json.loads(renderer.scene("blades").read_text())
+    scene["lights"] = [light for light in scene["lights"] if light["type"] == "directional"]
+    (renderer.scene("blades").parent / "sun.json").write_text(json.dumps(scene))
+    SCENES["sun"] = "blades/sun.json"
+    args.size = "320x180"
+    crop = ["--crop", "0,130,150,168"]
+    pictures = [renderer.render("sun", *crop, "--integrator", "tc", "--tc-rays", args.reference, "--shadows", "exact", "--seed", seed)[0] for seed in (1001, 1002)]
+    reference, noise = [(a + b) / 2 for a, b in zip(*pictures)], squared(*pictures) / 4
+
+    def measured(*options):
+        runs = [renderer.render("sun", *crop, *options, "--seed", seed) for seed in range(args.seeds)]
+        return statistics.median(t for _, t in runs), decibels(statistics.median(squared(picture, reference) for picture, _ in runs) - noise)
+
+    discrete = [measured("--integrator", "qmc", "--spp", n) for n in (4, 16, 64, 256)]
+    print("| | error, time | gain |\n| --- | --- | --- |")
+    for samples, (time, level) in zip((4, 16, 64, 256), discrete):
+        print(f"| {samples} discrete samples | {level:.1f} dB in {time:.3f} s | |")
+    for text, options in ([(f"{n} rays of `tc`", ["--integrator", "tc", "--tc-rays", n, "--shading-samples", 1]) for n in (2, 4, 8, 16)]
+                          + [(f"`mixed`, {n} rays and {4 * n} samples", ["--integrator", "mixed", "--tc-rays", n, "--spp", 4 * n]) for n in (2, 4, 8, 16)]):
+        time, level = measured(*options, "--shadows", "exact")
+        print(f"| {text}, exact shadows | {level:.1f} dB in {time:.3f} s | {gain(discrete, time, level):+.1f} dB |", flush=True)
 
 
 def methods(budget):
@@ -207,11 +234,14 @@ def main():
     parser.add_argument("--shading", default="whitted")
     parser.add_argument("--scan", action="store_true")
     parser.add_argument("--shadow-prices", action="store_true")
+    parser.add_argument("--ground", action="store_true")
     args = parser.parse_args()
     os.makedirs(args.folder, exist_ok=True)
     renderer = Renderer(args)
     if args.scan:
         return 1 if scan(renderer, args) else 0
+    if args.ground:
+        return ground(renderer, args)
     if args.shadow_prices:
         args.scenes = args.scenes if len(args.scenes) == 1 else ["shade"]
         return shadow_prices(renderer, args)

@@ -13,7 +13,7 @@ import pathlib
 import sys
 
 SCENES = ["foliage", "blades", "wires", "hall", "still", "fan", "glass", "marbles", "bars", "kitchen", "big", "terrain",
-          "swarm", "crowd", "garden", "forest", "veils", "hair", "shade"]
+          "swarm", "crowd", "garden", "forest", "veils", "hair", "shade", "mirrors"]
 # What of the folder of third parties' scenes they need.
 NEEDS = {"hall": ["mannequiny"], "fan": ["vintage-fan"], "kitchen": ["bitterli-kitchen"],
          "big": ["bitterli-kitchen", "dutch-ship"]}

@@ -276,6 +276,7 @@ typedef struct kairos_render_params {
   float clamp;         /* path: the most that a sample brings of what is scattered more than once; 0: all of it */
   const char* shadows; /* of lit pictures, see --shadows: "auto", "sampled" or "exact"; NULL: auto */
   const char* cells;   /* of lit pictures, light that pixels share, see --cells: "auto", "on" or "off"; NULL: auto */
+  const char* mirrors; /* what they show, see --mirrors: "auto", "sampled" or "exact"; NULL: auto */
 } kairos_render_params;
 
 /* Told the fraction done by the thread that called, about twenty times a second; 0 stops. May be NULL. */

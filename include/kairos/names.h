@@ -48,6 +48,10 @@ inline constexpr auto kNames<Shadows> = std::to_array<Named<Shadows>>({{"auto", 
                                                                        {"sampled", Shadows::sampled},
                                                                        {"exact", Shadows::exact}});
 template <>
+inline constexpr auto kNames<Mirrors> = std::to_array<Named<Mirrors>>({{"auto", Mirrors::automatic},
+                                                                       {"sampled", Mirrors::sampled},
+                                                                       {"exact", Mirrors::exact}});
+template <>
 inline constexpr auto kNames<FilterKind> = std::to_array<Named<FilterKind>>(
     {{"box", FilterKind::box}, {"gaussian", FilterKind::gaussian}, {"blackman-harris", FilterKind::blackman_harris}});
 template <>

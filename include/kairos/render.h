@@ -54,6 +54,12 @@ enum class Shadows {
   sampled,    ///< by discrete rays, at the instants of shading samples
   exact,      ///< in time, wherever surface, light and camera rest; elsewhere sampled
 };
+/// How it is found what mirrors and panes show of what moves.
+enum class Mirrors {
+  automatic,  ///< tc: exact; mixed and automatic: where it is worth it
+  sampled,    ///< by discrete rays, at the instants of shading samples
+  exact,      ///< in time, in Whitted's shading, wherever the mirror and the camera rest; elsewhere sampled
+};
 /// Does light that arrives at a point of a surface count for all pixels that see the point while it moves? Of lit
 /// pictures under a mean over the shutter, and seen through nothing blended by time-continuous rays. Light is then
 /// blurred by a cell of the surface, of about 0.7 to 2 pixels, the smaller the more samples there are. docs/method.md,
@@ -125,6 +131,7 @@ struct RenderParams {
   double shading_interval = 0;
   Clusters clusters = Clusters::automatic;
   Shadows shadows = Shadows::automatic;  ///< `qmc`, and without clusters by pixel: sampled
+  Mirrors mirrors = Mirrors::automatic;  ///< `qmc`, without clusters by pixel, and with cells: sampled
   Cells cells = Cells::automatic;
   int spp = 64;  ///< qmc: samples per pixel; mixed: rays to what stands still; automatic: the budget, in the
                  ///< time of samples of qmc, on average over the pixels; 1 to 2^20

@@ -145,8 +145,9 @@ def render(shot: Shot, *, integrator: Optional[Integrator] = None, spp: int = 64
            shading: Shading = "whitted", aovs: Union[str, Sequence[str]] = (), crop: Optional[tuple[int, int, int, int]] = None,
            seed: int = 0, threads: int = 0, progress: Optional[Progress] = None, shading_samples: int = 8,
            shading_interval: float = 0.0, clusters: Literal["auto", "on", "pixel", "off"] = "auto",
-           shadows: Literal["auto", "sampled", "exact"] = "auto", cells: Literal["auto", "on", "off"] = "auto",
-           max_depth: int = 8, clamp: float = 0.0, sampler: Literal["owen-sobol", "multi-jitter", "random"] = "owen-sobol",
+           shadows: Literal["auto", "sampled", "exact"] = "auto", mirrors: Literal["auto", "sampled", "exact"] = "auto",
+           cells: Literal["auto", "on", "off"] = "auto", max_depth: int = 8, clamp: float = 0.0,
+           sampler: Literal["owen-sobol", "multi-jitter", "random"] = "owen-sobol",
            filter: Literal["box", "gaussian", "blackman-harris"] = "box", instruction_set: Optional[InstructionSet] = None,
            calibration: Optional[Calibration] = None, discrete_keys: int = 0) -> Image:
     """Renders a picture; the same, bit for bit, as `kairos render` with options of the same names, on any number of threads.

@@ -49,6 +49,7 @@ void render_fields(F& f, P& p) {
   f("shading_interval", p.shading_interval);
   f("clusters", p.clusters);
   f("shadows", p.shadows);
+  f("mirrors", p.mirrors);
   f("cells", p.cells);
   f("max_depth", p.max_depth);
   f("clamp", p.clamp);

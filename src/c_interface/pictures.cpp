@@ -81,6 +81,7 @@ RenderParams params_of(const kairos_render_params* given) {
   params.clamp = from.clamp;
   take("shadows", from.shadows, params.shadows);
   take("cells", from.cells, params.cells);
+  take("mirrors", from.mirrors, params.mirrors);
   const auto& crop = from.crop;
   if (crop[0] != 0 || crop[1] != 0 || crop[2] != 0 || crop[3] != 0)
     params.crop = Crop{crop[0], crop[1], crop[2], crop[3]};

@@ -17,6 +17,7 @@ namespace kairos {
 struct FramePlan {
   PacketChoice packets;
   std::vector<bool> exact_shadows;    ///< [mesh]: where time-continuous rays find shadows exactly; empty: nowhere
+  std::vector<bool> exact_mirrors;    ///< [mesh]: what they show is exact in time; empty: nowhere
   uint32_t still_rays_per_exact = 0;  ///< where nothing moves but shadows, see RestingPixels; 0: they are sampled
   // Of the integrators mixed and auto.
   RayPrices prices;

@@ -191,7 +191,7 @@ void MixedWorker::add_ray_counts(RenderStats& stats) const {
   TraceCounters traced = workspace_.counters();
   traced += strip_workspace_.counters();
   stats.counters += traced;
-  stats.counters += shading_.shadow_counters();
+  stats.counters += shading_.further_counters();
   if (resting_) stats.counters += resting_->counters();
   stats.rays += traced.rays + samples_.ray_count() + share_rays_;
   stats.segments += traced.segments + samples_.hit_count();

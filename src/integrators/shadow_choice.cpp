@@ -88,6 +88,13 @@ std::vector<bool> choose_exact_shadows(const PixelContext& context, const Shot& 
   return is_any(meshes) ? meshes : std::vector<bool>();
 }
 
+std::vector<bool> choose_exact_mirrors(const PixelContext& context, const RenderParams& params,
+                                       const ShadingOptions& options) {
+  if (params.mirrors == Mirrors::sampled || options.contrast > 0 || options.clusters != Clusters::pixel) return {};
+  std::vector<bool> meshes = context.shader.resting_mirrors();
+  return is_any(meshes) ? meshes : std::vector<bool>();
+}
+
 void choose_shadows(MixedFrame& frame, Monitor& monitor) {
   const bool all_rests = std::all_of(frame.shot.meshes.begin(), frame.shot.meshes.end(),
                                      [](const Mesh& mesh) { return mesh.is_static(); });

@@ -98,9 +98,10 @@ PlanKey plan_key(const RenderParams& p, const RecordNeeds& needs) {
   std::optional<std::array<double, 5>> calibration;
   if (const auto& c = p.calibration)
     calibration = {c->discrete_sample, c->still_ray, c->tc_ray[0], c->tc_ray[1], c->tc_ray[2]};
-  return {p.integrator, p.tc_rays,       p.shading_samples,  p.clusters, p.shadows, p.cells, p.spp,
-          p.sampler,    p.shading,       p.max_depth,        p.clamp,    p.filter,  p.seed,  p.instruction_set,
-          calibration,  p.discrete_keys, p.shading_interval, needs.time};
+  return {p.integrator, p.tc_rays, p.shading_samples, p.clusters,  p.shadows,       p.mirrors,
+          p.cells,      p.spp,     p.sampler,         p.shading,   p.max_depth,     p.clamp,
+          p.filter,     p.seed,    p.instruction_set, calibration, p.discrete_keys, p.shading_interval,
+          needs.time};
 }
 
 const FramePlan* ShotParts::find_plan(const PlanKey& key) const {

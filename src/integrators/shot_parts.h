@@ -22,8 +22,8 @@ namespace kairos {
 struct FramePlan;
 
 /// Everything of a picture's parameters that a FramePlan depends on; so not its crop, channels or threads.
-using PlanKey = std::tuple<IntegratorKind, int, int, Clusters, Shadows, Cells, int, SamplerKind, ShadingKind, int,
-                           float, FilterKind, uint64_t, std::optional<InstructionSet>,
+using PlanKey = std::tuple<IntegratorKind, int, int, Clusters, Shadows, Mirrors, Cells, int, SamplerKind, ShadingKind,
+                           int, float, FilterKind, uint64_t, std::optional<InstructionSet>,
                            std::optional<std::array<double, 5>>, int, double, RecordNeeds::Time>;
 PlanKey plan_key(const RenderParams& params, const RecordNeeds& needs);
 

@@ -11,6 +11,7 @@
 #include "integrators/shadow_choice.h"
 #include "motion/aligned_points.h"
 #include "policy/packet_choice.h"
+#include "shading/exact_mirrors.h"
 #include "shading/exact_shadows.h"
 #include "shading/packet_shading.h"
 
@@ -21,7 +22,7 @@ namespace {
 class TcIntegrator : public Integrator {
  public:
   /// mask: null to leave the points of a pixel where they are.
-  /// scene: where the plan has exact shadows.
+  /// scene: where the plan has exact shadows or mirrors.
   TcIntegrator(const FramePlan& plan, const CellPlan& cells, const MotionMask* mask, const Tracer& tracer,
                const DiscreteScene* scene, ShadingOptions shading, const PixelContext& context, int frame_width)
       : context_(context),
@@ -33,9 +34,14 @@ class TcIntegrator : public Integrator {
         // Pixels with exposures of their own may look at different times.
         strip_(context.exposure ? 1 : packets_.strip(context.sampler.count())),
         width_(frame_width) {
-    if (plan.exact_shadows.empty()) return;
-    shadows_.emplace(context.shader, tracer, *scene, plan.exact_shadows);
-    shading_.shadows = &*shadows_;
+    if (!plan.exact_shadows.empty()) {
+      shadows_.emplace(context.shader, tracer, *scene, plan.exact_shadows);
+      shading_.shadows = &*shadows_;
+    }
+    if (!plan.exact_mirrors.empty()) {
+      mirrors_.emplace(context.shader, tracer, *scene, plan.exact_mirrors);
+      shading_.mirrors = &*mirrors_;
+    }
   }
 
   std::unique_ptr<Worker> make_worker() const override {
@@ -82,7 +88,7 @@ class TcIntegrator : public Integrator {
 
     void add_counts(RenderStats& stats) const override {
       stats.counters += workspace_.counters();
-      stats.counters += shading_.shadow_counters();
+      stats.counters += shading_.further_counters();
       stats.rays += workspace_.counters().rays;
       stats.segments += workspace_.counters().segments;
       stats.shading_samples += shading_.evaluations();
@@ -126,6 +132,7 @@ class TcIntegrator : public Integrator {
   PacketChoice packets_;
   int strip_, width_;  // pixels that are traced together, and in a row of the frame
   std::optional<ExactShadows> shadows_;
+  std::optional<ExactMirrors> mirrors_;
 };
 
 }  // namespace
@@ -139,6 +146,9 @@ std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderPar
   const FramePlan* known = parts.find_plan(key);
   const ShadingOptions shading = shading_options(parts.shot(), params, context.needs);
   const DiscreteScene* scene = is_lit(params.shading) ? &parts.discrete(params.discrete_keys) : nullptr;
+  CellPlan cells;
+  if (shading.clusters == Clusters::pixel)
+    cells = plan_cells(parts.shot(), params, context.needs, params.tc_rays * shading.samples);
   FramePlan plan;
   if (known != nullptr) {
     plan = *known;
@@ -146,15 +156,13 @@ std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderPar
     plan.packets = choose_packets(context, parts.shot().projection, tracer);
     if (scene != nullptr)
       plan.exact_shadows = choose_exact_shadows(context, parts.shot(), params, tracer, *scene, shading);
+    if (cells.side == 0) plan.exact_mirrors = choose_exact_mirrors(context, params, shading);
     parts.keep_plan(key, plan);
   }
   // A single ray is nowhere better than anywhere else; and rays of shots that follow on each other are not to jump.
   const MotionMask* mask = context.sampler.count() > 1 && !context.needs.over_time()
                                ? &parts.motion_mask(context.filter.radius(), params.crop)
                                : nullptr;
-  CellPlan cells;
-  if (shading.clusters == Clusters::pixel)
-    cells = plan_cells(parts.shot(), params, context.needs, params.tc_rays * shading.samples);
   return std::make_unique<TcIntegrator>(plan, cells, mask, tracer, scene, shading, context,
                                         parts.shot().projection.width);
 }

@@ -194,6 +194,7 @@ void describe(Image& image, const Shot& shot, const RenderParams& params, const 
     put("kairos:shading_samples", params.shading_samples);
     put("kairos:clusters", std::string(to_string(clusters_of(params))));
     if (is_lit(params.shading)) put("kairos:shadows", std::string(to_string(params.shadows)));
+    if (params.shading == ShadingKind::whitted) put("kairos:mirrors", std::string(to_string(params.mirrors)));
   }
   if (is_lit(params.shading)) put("kairos:cells", std::string(to_string(params.cells)));
   if (params.integrator == IntegratorKind::automatic) put("kairos:calibration", calibration_text(params.calibration));

@@ -1,4 +1,4 @@
-// What rough facets that reflect all light send back after one reflection, and what they keep for further ones.
+// What rough facets send away after one reflection or refraction, and what they keep for further ones.
 #pragma once
 
 namespace kairos {
@@ -8,8 +8,12 @@ namespace kairos {
 /// both 0 to 1. Looked up in a table that the first call computes; to within 0.003.
 double reflected_once(double cosine, double alpha);
 
-/// By how much to multiply what facets reflect once, so that it stands for all reflections: what goes from facet to
-/// facet leaves about where single reflections do (E. Turquin 2019). reflectance: at normal incidence, 0 to 1.
+/// The same of clear glass, whose facets reflect some of it and refract the rest. eta: refractive index ahead over that
+/// behind, of which a third to 3 is told apart. To within 0.005.
+double reflected_or_refracted_once(double cosine, double alpha, double eta);
+
+/// By how much to multiply what facets send away once, so that it stands for all: what goes from facet to facet leaves
+/// about where the rest does (E. Turquin 2019). reflectance: of each time, 0 to 1.
 inline double all_reflections(double once, double reflectance) { return 1 + reflectance * (1 - once) / once; }
 
 }  // namespace kairos

@@ -10,29 +10,35 @@
 
 #include "math/hash.h"
 #include "pixel/record_builder.h"
+#include "shading/exact_mirrors.h"
 #include "shading/exact_shadows.h"
 #include "shading/look_ups.h"
+#include "shading/sample_lists.h"
 #include "shading/segment_shading.h"
 #include "shading/shader.h"
+#include "shading/step_sum.h"
 
 namespace kairos {
 
 /// Where shading is dear, and noisy by itself, what counts is how many samples there are in a pixel and how they are
-/// spread, not that every triangle has one. So all segments of all rays are laid end to end, sorted by mesh, triangle
-/// and time: neighbours in the list are about the same place at about the same time. Samples lie evenly along it, one
-/// in each of as many equal stretches, and look at lights in the order of a Sobol' sequence, so that neighbours look at
-/// different places of them. How far into its stretch a sample lies changes from ray's worth to ray's worth, evenly
-/// spread: were it the same everywhere, rays that see one thing all the time would all see it at the same instants.
-/// docs/method.md, "One list of all that a pixel sees". What shadows are exact on has a list of its own: its samples
-/// leave out the light of which the shadows are, which each ray adds for itself, when it is there.
+/// spread, not that every triangle has one. So all segments of all rays are laid end to end, see SampleLists:
+/// neighbours are about the same place at about the same time. Samples lie evenly along it, one in each of as many
+/// equal stretches, and look at lights in the order of a Sobol' sequence, so that neighbours look at different places
+/// of them. How far into its stretch a sample lies changes from ray's worth to ray's worth, evenly spread: were it the
+/// same everywhere, rays that see one thing all the time would all see it at the same instants. See
+/// docs/method.md, "One list of all that a pixel sees". Samples of what shadows are exact on leave out the light of
+/// which the shadows are, which each ray adds for itself, when it is there. Those of mirrors that are exact leave out
+/// what they show: that is in the lists by itself, and each ray adds up what it sees at the same time.
 ///
 /// One thread's scratch memory.
 class ListedShading {
  public:
-  /// shadows: null where all are sampled.
-  /// look_ups: where not null, takes the samples in place of the shader: knots get their colours later.
-  explicit ListedShading(const Shader& shader, const ExactShadows* shadows = nullptr, LookUps* look_ups = nullptr)
-      : shader_(shader), shadows_(shadows), look_ups_(look_ups) {}
+  /// shadows: null where all are sampled; mirrors: null where none are exact.
+  /// look_ups: where not null, takes the samples in place of the shader: knots get their colours later. Not with
+  /// mirrors.
+  explicit ListedShading(const Shader& shader, const ExactShadows* shadows = nullptr,
+                         const ExactMirrors* mirrors = nullptr, LookUps* look_ups = nullptr)
+      : shader_(shader), shadows_(shadows), mirrors_(mirrors), look_ups_(look_ups) {}
 
   /// samples: per ray that sees something all the time. Appends the parts of all rays' segments to `out`, ray by ray,
   /// and for each ray to `ends` the number of parts after it: they cover exactly what its segments cover, and each is
@@ -41,103 +47,103 @@ class ListedShading {
   uint64_t shade(std::span<const Ray> rays, std::span<const SeenByRay> seen, std::span<const float> phases,
                  const TimeRange& window, double samples, uint64_t pixel_seed, uint32_t first_ray, RecordBuilder& out,
                  std::vector<uint32_t>& ends) {
-    make_lists(seen);
-    const double rate = samples / (static_cast<double>(window.end) - static_cast<double>(window.begin));
-    sky_rate_ = shader_.sky_varies() ? rate : 0;
+    make_lists(rays, seen, samples / (static_cast<double>(window.end) - static_cast<double>(window.begin)));
+    sky_rate_ = shader_.sky_varies() ? samples / static_cast<double>(window.end - window.begin) : 0;
     phase_ = unit_float(hash(pixel_seed, first_ray, kListPhase));
-    uint32_t count = 0;
-    for (List& list : lists_) {
-      list.first_sample = count;
-      list.samples = list.total > 0 ? static_cast<uint32_t>(std::max(1.0, std::round(rate * list.total))) : 0;
-      count += list.samples;
-    }
-    if (count > 0) take_samples(rays, phases, count, hash(pixel_seed, kListDimension, first_ray));
+    const uint32_t count = lists_.count();
+    if (count > 0) take_samples(rays, phases, hash(pixel_seed, kListDimension, first_ray));
     first_knot_ = out.add_knots(out.keeps_surfaces() ? 0 : count);
     if (!out.keeps_surfaces())
-      for (uint32_t i = 0; i < count; ++i) set_knot(out, first_knot_ + i, i);
+      for (uint32_t i = 0; i < lists_.before_mirrors(); ++i) set_knot(out, first_knot_ + i, i);
     hand_out(rays, seen, window, out, ends);
     return look_ups_ == nullptr ? count : 0;
   }
 
-  TraceCounters shadow_counters() const { return steps_.counters(); }
+  TraceCounters further_counters() const {  ///< of exact shadows and mirrors
+    TraceCounters sum = steps_.counters();
+    sum += sights_.counters();
+    return sum;
+  }
 
  private:
   static constexpr uint64_t kListDimension = 8, kListPhase = 9;  // beside those of other samples
 
-  struct Entry {
-    const Segment* segment;
-    uint32_t ray, number;  // of the segment, counted ray by ray
-    double before;         // what lies before it in its list, in shutter time
-  };
-  /// Stretches of shutter time, laid end to end.
-  struct List {
-    size_t begin = 0, end = 0;  // of its entries
-    double total = 0;
-    uint32_t first_sample = 0, samples = 0;
-  };
-
-  /// 1: exact shadows are on it.
-  size_t list_of(uint32_t mesh) const { return shadows_ != nullptr && shadows_->on(mesh) ? 1 : 0; }
-
-  void make_lists(std::span<const SeenByRay> seen) {
-    entries_.clear();
-    uint32_t number = 0;
-    for (uint32_t r = 0; r < seen.size(); ++r)
-      for (const Segment& segment : seen[r].segments) entries_.push_back({&segment, r, number++, 0});
-    std::sort(entries_.begin(), entries_.end(), [&](const Entry& a, const Entry& b) {
-      const Segment &p = *a.segment, &q = *b.segment;
-      if (p.mesh != q.mesh) {
-        const size_t in = list_of(p.mesh), other = list_of(q.mesh);
-        return in != other ? in < other : p.mesh < q.mesh;
-      }
-      if (p.triangle != q.triangle) return p.triangle < q.triangle;
-      if (p.begin != q.begin) return p.begin < q.begin;
-      return a.number < b.number;
-    });
-    before_.resize(entries_.size());
-    size_t at = 0;
-    for (size_t l = 0; l < lists_.size(); ++l) {
-      List& list = lists_[l] = {at, at, 0, 0, 0};
-      for (; list.end < entries_.size() && list_of(entries_[list.end].segment->mesh) == l; ++list.end) {
-        Entry& entry = entries_[list.end];
-        before_[entry.number] = entry.before = list.total;
-        list.total += static_cast<double>(entry.segment->end) - static_cast<double>(entry.segment->begin);
-      }
-      at = list.end;
-    }
+  SampleLists::Kind kind_of(uint32_t mesh) const {
+    if (mirrors_ != nullptr && mirrors_->on(mesh)) return SampleLists::mirrors;
+    return shadows_ != nullptr && shadows_->on(mesh) ? SampleLists::with_shadows : SampleLists::plain;
   }
 
-  /// One in each of a list's equal stretches, anywhere in it with the same probability.
-  void take_samples(std::span<const Ray> rays, std::span<const float> phases, uint32_t count, uint64_t seed) {
-    queries_.clear();
-    for (const List& list : lists_) {
-      size_t at = list.begin;
-      for (uint32_t i = 0; i < list.samples; ++i) {
-        const auto phase = static_cast<double>(phases[static_cast<size_t>(i) * phases.size() / list.samples]);
-        const double place = list.total * ((i + phase) / list.samples);
-        while (at + 1 < list.end && entries_[at + 1].before <= place) ++at;
-        const Segment& segment = *entries_[at].segment;
-        // Half-open: at its very end something else is seen.
-        const float latest = std::max(segment.begin, std::nextafter(segment.end, 0.0f));
-        const float time =
-            std::clamp(segment.begin + static_cast<float>(place - entries_[at].before), segment.begin, latest);
-        queries_.push_back({rays[entries_[at].ray],
-                            segment.mesh,
-                            segment.triangle,
-                            time,
-                            look_ups_ == nullptr ? 0 : shader_.width_at(distance_at(segment, time)),
-                            {seed, list.first_sample + i},
-                            list_of(segment.mesh) == 1 ? RestingLights::left_out : RestingLights::as_is});
+  bool rests(uint32_t mesh) const { return shader_.shot().meshes[mesh].is_static(); }
+
+  void make_lists(std::span<const Ray> rays, std::span<const SeenByRay> seen, double rate) {
+    lists_.clear();
+    sights_.clear();
+    mirrors_seen_.clear();
+    for (uint32_t r = 0; r < seen.size(); ++r)
+      for (const Segment& segment : seen[r].segments) {
+        const SampleLists::Kind kind = kind_of(segment.mesh);
+        float weight = 1;
+        if (kind == SampleLists::mirrors) {
+          weight = sights_.follow(*mirrors_, rays[r], segment);
+          mirrors_seen_.push_back({weight, sights_.all().size()});
+        }
+        lists_.add(segment, kind, r, nullptr, weight, rests(segment.mesh));
       }
-    }
+    straight_ = lists_.size();
+    for (const MirrorSights::Sight& sight : sights_.all())
+      for (const MirrorSights::Seen& in : sights_.seen_on(sight)) {
+        const bool is_mirror = kind_of(in.segment.mesh) == SampleLists::mirrors;
+        lists_.add(in.segment, is_mirror ? SampleLists::mirrors : SampleLists::in_mirrors, 0, &sight, in.weight,
+                   rests(in.segment.mesh));
+      }
+    lists_.lay(rate);
+  }
+
+  void take_samples(std::span<const Ray> rays, std::span<const float> phases, uint64_t seed) {
+    queries_.clear();
+    tints_.clear();
+    lists_.visit_samples(phases, [&](const SampleLists::Entry& entry, float time) {
+      const Segment& segment = *entry.segment;
+      const SampleKey key{seed, static_cast<uint32_t>(queries_.size())};
+      if (entry.kind >= SampleLists::mirrors) {
+        queries_.push_back(mirrored_query(entry, rays, time, key));
+        const Vec3f share = entry.sight != nullptr ? entry.sight->share : Vec3f{1, 1, 1};
+        tints_.push_back(share * static_cast<float>(1 / entry.weight));
+        return;
+      }
+      queries_.push_back({rays[entry.ray], segment.mesh, segment.triangle, time,
+                          look_ups_ == nullptr ? 0 : shader_.width_at(distance_at(segment, time)), key,
+                          entry.kind == SampleLists::with_shadows ? RestingLights::left_out : RestingLights::as_is});
+    });
     if (look_ups_ == nullptr) {
-      shades_.resize(count);
-      shader_.shade(queries_, shades_);
+      const uint32_t straight = lists_.before_mirrors();
+      shades_.resize(straight);
+      shader_.shade(std::span(queries_).first(straight), shades_);
+      colours_.resize(tints_.size());
+      if (!colours_.empty()) shader_.lit().radiance(std::span(queries_).subspan(straight), colours_);
+      for (size_t i = 0; i < colours_.size(); ++i) colours_[i] = tints_[i] * colours_[i];
     } else {
       first_look_up_ = look_ups_->count();
       for (const ShadingQuery& query : queries_) look_ups_->add(query);
-      shades_.assign(count, {});
+      shades_.assign(queries_.size(), {});
     }
+  }
+
+  /// Of a sample of a mirror, or of what it shows.
+  ShadingQuery mirrored_query(const SampleLists::Entry& entry, std::span<const Ray> rays, float time,
+                              SampleKey key) const {
+    const MirrorSights::Sight* sight = entry.sight;
+    const Segment& segment = *entry.segment;
+    const float dist = distance_at(segment, time);
+    const double width = sight != nullptr ? shader_.width_beyond(sight->width, dist) : shader_.width_at(dist);
+    ShadingQuery query{
+        sight != nullptr ? sight->ray : rays[entry.ray], segment.mesh, segment.triangle, time, width, key};
+    if (sight != nullptr) {
+      query.depth = sight->depth;
+      query.weight = sight->weight;
+    }
+    if (mirrors_->on(segment.mesh)) query.followed_elsewhere = MirrorSights::kLeastWeight;
+    return query;
   }
 
   /// Of a sample, without normal and albedo.
@@ -159,35 +165,66 @@ class ListedShading {
   void hand_out(std::span<const Ray> rays, std::span<const SeenByRay> seen, const TimeRange& window, RecordBuilder& out,
                 std::vector<uint32_t>& ends) {
     uint32_t number = 0;
+    next_mirror_ = next_sight_ = 0;
+    next_in_mirrors_ = straight_;
     for (size_t r = 0; r < rays.size(); ++r) {
       float time = window.begin;
       uint32_t looked_mesh = kNoMesh, looked_triangle = 0;
       for (const Segment& segment : seen[r].segments) {
         add_sky(rays[r], time, segment.begin, out);
         time = segment.end;
-        const bool exact = list_of(segment.mesh) == 1;
+        const SampleLists::Kind kind = kind_of(segment.mesh);
+        if (kind == SampleLists::mirrors) {
+          add_mirror(rays[r], segment, number++, out);
+          continue;
+        }
+        const bool exact = kind == SampleLists::with_shadows;
         if (exact && (segment.mesh != looked_mesh || segment.triangle != looked_triangle)) {
           steps_.look(*shadows_, rays[r], segment.mesh, segment.triangle, window);
           looked_mesh = segment.mesh;
           looked_triangle = segment.triangle;
         }
-        const List& list = lists_[exact ? 1 : 0];
-        const double before = before_[number++], per_sample = list.total / list.samples;
-        auto sample = static_cast<uint32_t>(std::min(before / per_sample, static_cast<double>(list.samples - 1)));
-        for (float begin = segment.begin; begin < segment.end; ++sample) {
-          const double cut = static_cast<double>(segment.begin) + ((sample + 1) * per_sample - before);
-          const float end = sample + 1 == list.samples ? segment.end : std::min(segment.end, static_cast<float>(cut));
-          if (!(begin < end)) continue;
+        lists_.visit_stretches(number++, [&](float begin, float end, uint32_t sample) {
           if (exact)
-            add_steps(rays[r], segment, begin, end, list.first_sample + sample, out);
+            add_steps(rays[r], segment, begin, end, sample, out);
           else
             out.add_part(part_of(segment, begin, end, knot(rays[r], segment, begin, end, sample, out)));
-          begin = end;
-        }
+        });
       }
       add_sky(rays[r], time, window.end, out);
       ends.push_back(out.part_count());
     }
+  }
+
+  /// What a mirror is by itself, and what it shows.
+  void add_mirror(const Ray& ray, const Segment& segment, uint32_t number, RecordBuilder& out) {
+    const MirrorSeen& mirror = mirrors_seen_[next_mirror_++];
+    sum_.clear();
+    add_mirrored(number, mirror.own);
+    for (; next_sight_ < mirror.end_of_sights; ++next_sight_) {
+      const MirrorSights::Sight& sight = sights_.all()[next_sight_];
+      float time = sight.begin;
+      const auto add_beyond = [&](float until) {
+        if (time < until) sum_.add(time, until, sight.share * shader_.lit().beyond(sight.ray, time));
+      };
+      for (const MirrorSights::Seen& in : sights_.seen_on(sight)) {
+        add_beyond(in.segment.begin);
+        time = in.segment.end;
+        add_mirrored(next_in_mirrors_++, in.weight);
+      }
+      add_beyond(sight.end);
+    }
+    sum_.visit(segment.begin, segment.end, [&](float begin, float end, Vec3f colour) {
+      const float middle = begin + (end - begin) * 0.5f;
+      const Shade own = out.keeps_surfaces() ? shader_.surface(ray, segment.mesh, segment.triangle, middle) : Shade{};
+      out.add_part(part_of(segment, begin, end, out.add_knot(middle, shader_.limited(colour), own.normal, own.albedo)));
+    });
+  }
+
+  void add_mirrored(uint32_t number, float weight) {
+    lists_.visit_stretches(number, [&](float begin, float end, uint32_t sample) {
+      sum_.add(begin, end, colours_[sample - lists_.before_mirrors()] * weight);
+    });
   }
 
   /// A sample's stretch of a segment with exact shadows on it: cut where these change.
@@ -230,16 +267,26 @@ class ListedShading {
 
   const Shader& shader_;
   const ExactShadows* const shadows_;
+  const ExactMirrors* const mirrors_;
   LookUps* const look_ups_;
   uint32_t first_look_up_ = 0;  // of the pixel's samples
-  std::vector<Entry> entries_;  // list by list
-  std::array<List, 2> lists_;
-  std::vector<double> before_;  // [number of a segment]: what lies before it in its list
+  SampleLists lists_;
   double sky_rate_ = 0;
   float phase_ = 0;
   std::vector<ShadingQuery> queries_;
-  std::vector<Shade> shades_;
+  std::vector<Shade> shades_;           // of what is seen straight
+  std::vector<Vec3f> tints_, colours_;  // of what mirrors show, if their weight were 1
   RestingLightSteps steps_;
+  MirrorSights sights_;
+  StepSum sum_;
+  uint32_t straight_ = 0;  // segments
+  struct MirrorSeen {
+    float own;  // weight of its own light
+    size_t end_of_sights;
+  };
+  std::vector<MirrorSeen> mirrors_seen_;     // [segment of a mirror, in order]
+  size_t next_mirror_ = 0, next_sight_ = 0;  // in a walk over all segments
+  uint32_t next_in_mirrors_ = 0;
   uint32_t first_knot_ = 0;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -26,6 +27,17 @@ struct ShadingQuery {
   double width = 0;  ///< of the ray's cone where it meets the triangle
   SampleKey key;
   RestingLights resting = RestingLights::as_is;
+  int depth = 0;     ///< mirrors and panes on the ray's way from the camera
+  float weight = 1;  ///< the strongest component of what they leave of the light along it
+  /// Mirrors and glass there that would leave at least so much are followed by somebody else.
+  float followed_elsewhere = std::numeric_limits<float>::infinity();
+};
+
+/// Where a mirror or glass sends a ray on.
+struct FollowedRay {
+  Ray ray;
+  Vec3f share;   ///< of the light along it, that goes on to the viewer
+  double width;  ///< of the ray's cone where it starts
 };
 
 /// What a light that stands still brings to a surface that does, if nothing is in its way.
@@ -72,6 +84,12 @@ class LitShading {
                             [[maybe_unused]] std::vector<RestingLight>& lights, [[maybe_unused]] Vec3f& own) const {
     return false;
   }
+
+  /// Appends the rays that radiance() follows, in mirrors and glass, where a query sees them, whoever follows them.
+  virtual void followed_rays([[maybe_unused]] const ShadingQuery& query,
+                             [[maybe_unused]] std::vector<FollowedRay>& rays) const {}
+  /// What such a ray sees that leaves the scene.
+  virtual Vec3f beyond([[maybe_unused]] const Ray& ray, [[maybe_unused]] float time) const { return {}; }
 };
 
 }  // namespace kairos

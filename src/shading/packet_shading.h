@@ -26,7 +26,7 @@ class PacketShading {
       : shader_(shader),
         options_(options),
         single_(shader, of_single_rays(shader, options)),
-        listed_(shader, options.shadows, look_ups) {}
+        listed_(shader, options.shadows, options.mirrors, look_ups) {}
 
   /// The rays of a pixel that are shaded together, as they were traced together.
   struct Packet {
@@ -57,8 +57,8 @@ class PacketShading {
   }
 
   uint64_t evaluations() const { return single_.evaluations() + evaluations_; }
-  TraceCounters shadow_counters() const {  ///< of exact shadows
-    TraceCounters sum = listed_.shadow_counters();
+  TraceCounters further_counters() const {  ///< of exact shadows and mirrors
+    TraceCounters sum = listed_.further_counters();
     sum += single_.shadow_counters();
     return sum;
   }

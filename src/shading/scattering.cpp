@@ -50,6 +50,16 @@ Scattering::Scattering(const SurfacePoint& point)
       again_[c] = static_cast<float>(all_reflections(once, base));
     }
   }
+  if (lets_through()) {
+    const double once = point.material->thin_walled
+                            ? reflected_once(cosine, facets_alpha_)
+                            : reflected_or_refracted_once(cosine, facets_alpha_, boundary_.eta());
+    border_again_ = static_cast<float>(all_reflections(once, static_cast<double>(point.material->transmission)));
+    for (int c = 0; c < 3; ++c) {
+      const auto base = static_cast<double>(std::clamp(point.look.base_colour[c], 0.0f, 1.0f));
+      through_again_[c] = static_cast<float>(all_reflections(once, base));
+    }
+  }
   const float inwards = 1 - largest(boundary_.reflects(cosine));
   even_ = point.look.base_colour * ((1 - metal_) * inwards * (1 - point.material->transmission) * below_);
   const auto even = static_cast<double>(largest(even_)), top = static_cast<double>(coat);
@@ -77,7 +87,7 @@ Vec3f Scattering::reflects(double cosine) const {
   const Vec3f base = point_.look.base_colour, white{1, 1, 1};
   const auto grazing = static_cast<float>(std::pow(1 - cosine, 5));
   const Vec3f metal = base + (white - base) * grazing;
-  return (metal * again_ * metal_ + boundary_.reflects(cosine) * (1 - metal_)) * below_;
+  return (metal * again_ * metal_ + boundary_.reflects(cosine) * (border_again_ * (1 - metal_))) * below_;
 }
 
 Vec3f Scattering::refracts(double cosine) const {
@@ -86,7 +96,7 @@ Vec3f Scattering::refracts(double cosine) const {
   const bool bends = !point_.material->thin_walled;
   if (bends && 1 - cosine * cosine >= eta * eta) return {};  // all is reflected
   const float share = (1 - metal_) * point_.material->transmission * (1 - largest(boundary_.reflects(cosine))) * below_;
-  return point_.look.base_colour * share;
+  return point_.look.base_colour * through_again_ * share;
 }
 
 double Scattering::reflect_chance(double cosine) const {
@@ -157,7 +167,8 @@ double Scattering::density(Vec3d direction) const {
          eta * -l_h / (width * width);
 }
 
-std::optional<Scattering::Sample> Scattering::rough_sample(Vec3d direction) const {
+std::optional<Scattering::Sample> Scattering::rough_sample(Vec3d direction, double side) const {
+  if (!(side * dot(point_.normal, direction) > 0)) return std::nullopt;
   const double likely = density(direction);
   const Vec3f weight = value(direction) * static_cast<float>(1 / likely);
   if (!(likely > 0) || weight == Vec3f{} || !is_finite(weight)) return std::nullopt;
@@ -168,7 +179,7 @@ std::optional<Scattering::Sample> Scattering::sample(const std::array<float, 3>&
   const Vec3d normal = point_.normal, viewer = point_.to_viewer;
   auto pick = static_cast<double>(random[2]);
   if (even_chance_ + facets_chance_ == 0 && !(below_ < 1)) return std::nullopt;
-  if (pick < even_chance_) return rough_sample(cosine_direction(normal, random[0], random[1]));
+  if (pick < even_chance_) return rough_sample(cosine_direction(normal, random[0], random[1]), 1);
   // By the triangle's own plane where the bent one would send light into it.
   const auto mirrored = [&] {
     const Vec3d direction = reflected(-viewer, normal);
@@ -176,7 +187,7 @@ std::optional<Scattering::Sample> Scattering::sample(const std::array<float, 3>&
   };
   pick -= even_chance_;
   if (!(pick < facets_chance_) && below_ < 1) {
-    if (!coat_sharp_) return rough_sample(lobe_direction(normal, viewer, coat_alpha_, random[0], random[1]));
+    if (!coat_sharp_) return rough_sample(lobe_direction(normal, viewer, coat_alpha_, random[0], random[1]), 1);
     const double chance = 1 - even_chance_ - facets_chance_;
     const float share = (1 - below_) / static_cast<float>(chance);
     return Sample{mirrored(), Vec3f{share, share, share}};
@@ -188,11 +199,11 @@ std::optional<Scattering::Sample> Scattering::sample(const std::array<float, 3>&
   const double eta = boundary_.eta();
   const bool thin = point_.material->thin_walled;
   if (pick < back || back == 1) {
-    if (!facets_sharp_) return rough_sample(reflected(-viewer, facet));
+    if (!facets_sharp_) return rough_sample(reflected(-viewer, facet), 1);
     return Sample{mirrored(), reflects(cosine) * static_cast<float>(1 / (facets_chance_ * back))};
   }
   if (!facets_sharp_)
-    return rough_sample(thin ? through_plane(reflected(-viewer, facet), normal) : refracted(-viewer, facet, eta));
+    return rough_sample(thin ? through_plane(reflected(-viewer, facet), normal) : refracted(-viewer, facet, eta), -1);
   Vec3d inwards = refracted(-viewer, normal, eta);
   if (!(dot(inwards, point_.face) < 0)) inwards = -viewer;
   // Light is denser in what is denser: as much of it comes from fewer directions there.

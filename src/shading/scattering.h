@@ -50,13 +50,18 @@ class Scattering {
   double reflect_chance(double cosine) const;
   /// The facet by which light from behind is seen, on the viewer's side; zero where none is.
   Vec3d bending_facet(Vec3d direction) const;
-  std::optional<Sample> rough_sample(Vec3d direction) const;
+  /// side: 1 for what is reflected, -1 for what is let through. Chance may send either to the wrong side, where the
+  /// light is hidden by other facets and density() counts only what else goes there.
+  std::optional<Sample> rough_sample(Vec3d direction, double side) const;
 
   const SurfacePoint& point_;
   Boundary boundary_;
   Vec3f even_;
   float metal_, below_ = 1;  // below_: share of light that gets through the clear coat
-  Vec3f again_{1, 1, 1};     // metal's facets: what goes from one to another, too, relative to what they reflect once
+  // What goes from one facet to another, too, relative to what they send away once: of metal, and of what glass
+  // refracts and reflects.
+  Vec3f again_{1, 1, 1}, through_again_{1, 1, 1};
+  float border_again_ = 1;
   double facets_alpha_, coat_alpha_;
   bool facets_sharp_, coat_sharp_, refracts_, is_dark_;
   double even_chance_ = 0, facets_chance_ = 0;  // of the coat: the rest

@@ -154,6 +154,17 @@ std::vector<bool> Shader::resting_receivers() const {
   return rest;
 }
 
+std::vector<bool> Shader::resting_mirrors() const {
+  std::vector<bool> rest(shot_.meshes.size());
+  if (kind_ != ShadingKind::whitted || shot_.camera_moves) return rest;
+  for (uint32_t m = 0; m < shot_.meshes.size(); ++m) {
+    const Mesh& mesh = shot_.meshes[m];
+    if (cut_outs_ && cut_outs_->is_blended(m)) return std::vector<bool>(rest.size());
+    rest[m] = mesh.is_static() && mesh.normal_key_count() < 2 && shows_others_[m];
+  }
+  return rest;
+}
+
 void Shader::shade(std::span<ShadingQuery> queries, std::span<Shade> shades) const {
   for (size_t i = 0; i < queries.size(); ++i) {
     ShadingQuery& query = queries[i];

@@ -69,6 +69,13 @@ class Shader {
   void resting_light(ShadingQuery& query, std::vector<RestingLight>& lights) const;
   /// The same of LitShading::steady_light. base: what surface() gives, with the surface's own light for its colour.
   bool steady_light(ShadingQuery& query, std::vector<RestingLight>& lights, Shade& base) const;
+  /// Of a lit picture: see LitShading. Queries have their widths.
+  const LitShading& lit() const { return *lit_; }
+  /// [mesh]: mirrors and glass that rest before a camera that does, so that what they show lies along fixed rays: in
+  /// Whitted's shading, where nothing is blended.
+  std::vector<bool> resting_mirrors() const;
+  /// Of a ray's cone that goes on from a mirror, where it is `dist` farther.
+  double width_beyond(double width, float dist) const { return width + cone_.spread() * static_cast<double>(dist); }
   /// [mesh]: where resting_light() may be part of what is seen: opaque things that rest before a camera that does, in a
   /// lit scene in which all that hides anything hides all of it, from both sides.
   std::vector<bool> resting_receivers() const;

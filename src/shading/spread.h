@@ -13,6 +13,7 @@
 
 namespace kairos {
 
+class ExactMirrors;
 class ExactShadows;
 
 /// How time-continuous rays are shaded. See RenderParams.
@@ -24,6 +25,7 @@ struct ShadingOptions {
   float contrast = 0, dark = 0;  ///< these and what follows: see RecordNeeds
   float looks_begin = 0, looks_end = 1;
   const ExactShadows* shadows = nullptr;  ///< with Clusters::pixel or a contrast alone; null: all are sampled
+  const ExactMirrors* mirrors = nullptr;  ///< with Clusters::pixel alone, and without look-ups; null: none are exact
 };
 inline Clusters clusters_of(const RenderParams& params) {
   return params.clusters == Clusters::automatic ? Clusters::pixel : params.clusters;

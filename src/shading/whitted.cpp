@@ -75,7 +75,7 @@ void Whitted::radiance(std::span<const ShadingQuery> queries, std::span<Vec3f> c
   shade_together(queries, colours, points_, direct_, true,
                  [&](const ShadingQuery& query, const SurfacePoint& point, const Scatter& scatter, Vec3f punctual,
                      const SampleInstant& instant) {
-                   return shade(query.ray, point, scatter, punctual, instant, query.key, 0, 1);
+                   return shade(query.ray, point, scatter, punctual, instant, query.key, past_of(query));
                  });
 }
 
@@ -87,8 +87,8 @@ void Whitted::own_light(std::span<const ShadingQuery> queries, bool share_asked,
         SharedSurface& surface = surfaces[i];
         surface = {{}, {}, point.weights, point.entering};
         if (is_lit(point)) {
-          surface.own =
-              point.look.emission + punctual + followed(queries[i].ray, point, scatter, instant, queries[i].key, 0, 1);
+          surface.own = point.look.emission + punctual +
+                        followed(queries[i].ray, point, scatter, instant, queries[i].key, past_of(queries[i]));
           surface.reflects = scatter.shares().diffuse + scatter.shares().highlight;
         } else if (point.face != Vec3d{}) {
           surface.own = point.look.base_colour;
@@ -104,51 +104,74 @@ void Whitted::shared_light(std::span<const ShadingQuery> queries, bool share_ask
           const SampleInstant& instant) { return punctual + by_chance(point, scatter, instant, query.key); });
 }
 
-Vec3f Whitted::shade(const Ray& ray, const SurfacePoint& point, const SampleInstant& instant, SampleKey key, int depth,
-                     float weight) const {
+Vec3f Whitted::shade(const Ray& ray, const SurfacePoint& point, const SampleInstant& instant, SampleKey key,
+                     const Past& past) const {
   const Scatter scatter(point);
   Vec3f punctual{};
   direct_.add_asked({&point, 1}, {&scatter, 1}, {&instant, 1}, {&punctual, 1});
-  return shade(ray, point, scatter, punctual, instant, key, depth, weight);
+  return shade(ray, point, scatter, punctual, instant, key, past);
 }
 
 Vec3f Whitted::shade(const Ray& ray, const SurfacePoint& point, const Scatter& scatter, Vec3f punctual,
-                     const SampleInstant& instant, SampleKey key, int depth, float weight) const {
+                     const SampleInstant& instant, SampleKey key, const Past& past) const {
   if (point.face == Vec3d{}) return {};  // no area
   if (point.material->unlit) return point.look.base_colour;
   return point.look.emission + punctual + by_chance(point, scatter, instant, key) +
-         followed(ray, point, scatter, instant, key, depth, weight);
+         followed(ray, point, scatter, instant, key, past);
 }
 
-Vec3f Whitted::followed(const Ray& ray, const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant,
-                        SampleKey key, int depth, float weight) const {
-  Vec3f colour{};
+template <class Follow>
+void Whitted::visit_followed(const Ray& ray, const SurfacePoint& point, const Scatter& scatter, const Past& past,
+                             const Follow& follow) const {
   const Reflectance& shares = scatter.shares();
-  if (depth >= max_depth_ || weight * std::max(largest(shares.mirror), largest(shares.through)) < kLeastWeight)
-    return colour;
+  if (past.depth >= max_depth_ ||
+      past.weight * std::max(largest(shares.mirror), largest(shares.through)) < kLeastWeight)
+    return;
   const Vec3d along = normalize(to_double(ray.direction));
-  const auto follow = [&](Vec3f share, Vec3d direction, double side, uint64_t branch) {
-    const float rest = weight * largest(share);
-    if (rest < kLeastWeight) return;
-    colour += share * from(point.ray(direction, side), point.width, instant, key.branch(branch), depth + 1, rest);
+  const auto send = [&](Vec3f share, Vec3d direction, double side, uint64_t branch) {
+    const float rest = past.weight * largest(share);
+    if (rest >= kLeastWeight) follow(share, point.ray(direction, side), rest, branch);
   };
   Vec3d mirrored = reflected(along, point.normal);
   if (!(dot(mirrored, point.face) > 0)) mirrored = reflected(along, point.face);
-  follow(shares.mirror, mirrored, 1, kMirrorBranch);
+  send(shares.mirror, mirrored, 1, kMirrorBranch);
   const double ior = std::max(1.0f, point.material->ior);
   const double eta = point.material->thin_walled ? 1 : point.entering ? ior : 1 / ior;
   Vec3d inwards = refracted(along, point.normal, eta);
   if (!(dot(inwards, point.face) < 0)) inwards = along;
-  follow(shares.through, inwards, -1, kThroughBranch);
+  send(shares.through, inwards, -1, kThroughBranch);
+}
+
+Vec3f Whitted::followed(const Ray& ray, const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant,
+                        SampleKey key, const Past& past) const {
+  Vec3f colour{};
+  visit_followed(ray, point, scatter, past, [&](Vec3f share, const Ray& onwards, float rest, uint64_t branch) {
+    if (rest >= past.followed_elsewhere) return;
+    colour += share * from(onwards, point.width, instant, key.branch(branch), {past.depth + 1, rest});
+  });
   return colour;
 }
 
-Vec3f Whitted::from(const Ray& ray, double width, const SampleInstant& instant, SampleKey key, int depth,
-                    float weight) const {
+void Whitted::followed_rays(const ShadingQuery& query, std::vector<FollowedRay>& rays) const {
+  const SampleInstant instant = points_.instant(query.time);
+  const SurfacePoint point = points_.at(query.ray, query.mesh, query.triangle, query.width, instant);
+  if (!kairos::is_lit(point)) return;
+  visit_followed(query.ray, point, Scatter(point), past_of(query),
+                 [&](Vec3f share, const Ray& onwards, float /*rest*/, uint64_t /*branch*/) {
+                   rays.push_back({onwards, share, point.width});
+                 });
+}
+
+Vec3f Whitted::beyond(const Ray& ray, float time) const {
+  const Vec3d in_world = points_.instant(time).place.vector_to_world(normalize(to_double(ray.direction)));
+  return lights_.beyond(in_world, cone_spread_);
+}
+
+Vec3f Whitted::from(const Ray& ray, double width, const SampleInstant& instant, SampleKey key, const Past& past) const {
   const auto hit = shadows_.scene().intersect(ray, instant.time);
   if (!hit) return lights_.beyond(instant.place.vector_to_world(normalize(to_double(ray.direction))), cone_spread_);
   const double there = width + cone_spread_ * static_cast<double>(hit->dist);
-  return shade(ray, points_.at(ray, hit->mesh, hit->triangle, there, instant), instant, key, depth, weight);
+  return shade(ray, points_.at(ray, hit->mesh, hit->triangle, there, instant), instant, key, past);
 }
 
 Vec3f Whitted::by_chance(const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant,

@@ -1,8 +1,10 @@
 // Whitted's recursive shading: direct light with shadows, mirrors, glass.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "discrete/discrete_scene.h"
 #include "shading/direct_light.h"
@@ -28,6 +30,8 @@ class Whitted : public LitShading {
   void shared_light(std::span<const ShadingQuery> queries, bool share_asked, std::span<Vec3f> colours) const override;
   void resting_light(const ShadingQuery& query, std::vector<RestingLight>& lights) const override;
   bool steady_light(const ShadingQuery& query, std::vector<RestingLight>& lights, Vec3f& own) const override;
+  void followed_rays(const ShadingQuery& query, std::vector<FollowedRay>& rays) const override;
+  Vec3f beyond(const Ray& ray, float time) const override;
 
  private:
   /// The balance of light at a point, as DirectLight wants it.
@@ -52,14 +56,25 @@ class Whitted : public LitShading {
     bool is_dark_, is_sharp_;
   };
 
-  Vec3f shade(const Ray& ray, const SurfacePoint& point, const SampleInstant& instant, SampleKey key, int depth,
-              float weight) const;
+  /// How a ray came to a point: see ShadingQuery.
+  struct Past {
+    int depth = 0;
+    float weight = 1, followed_elsewhere = std::numeric_limits<float>::infinity();
+  };
+  static Past past_of(const ShadingQuery& query) { return {query.depth, query.weight, query.followed_elsewhere}; }
+
+  Vec3f shade(const Ray& ray, const SurfacePoint& point, const SampleInstant& instant, SampleKey key,
+              const Past& past) const;
   /// What comes of the point itself, with what punctual lights give, and by mirrors and glass.
   Vec3f shade(const Ray& ray, const SurfacePoint& point, const Scatter& scatter, Vec3f punctual,
-              const SampleInstant& instant, SampleKey key, int depth, float weight) const;
+              const SampleInstant& instant, SampleKey key, const Past& past) const;
   /// By mirrors and glass alone.
   Vec3f followed(const Ray& ray, const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant,
-                 SampleKey key, int depth, float weight) const;
+                 SampleKey key, const Past& past) const;
+  /// Calls follow(share, ray, what is left of the light, branch of the key) for what is worth it.
+  template <class Follow>
+  void visit_followed(const Ray& ray, const SurfacePoint& point, const Scatter& scatter, const Past& past,
+                      const Follow& follow) const;
   Vec3f by_chance(const SurfacePoint& point, const Scatter& scatter, const SampleInstant& instant, SampleKey key) const;
   /// But for by_scattering(). arrive: see DirectLight.
   template <class Arrive>
@@ -69,7 +84,7 @@ class Whitted : public LitShading {
                       AreaLights::View& view, SampleKey key) const;
   /// Does it look for emissive meshes?
   bool meets_areas(const Scatter& scatter) const { return scatter.is_sharp() && !lights_.areas().empty(); }
-  Vec3f from(const Ray& ray, double width, const SampleInstant& instant, SampleKey key, int depth, float weight) const;
+  Vec3f from(const Ray& ray, double width, const SampleInstant& instant, SampleKey key, const Past& past) const;
 
   SurfacePoints points_;
   Lights lights_;

@@ -133,6 +133,7 @@ TEST_F(CliUsage, EveryOptionThatHelpNamesWorks) {
                                                        {"--sampler", "multi-jitter"},
                                                        {"--clusters", "on"},
                                                        {"--shadows", "exact"},
+                                                       {"--mirrors", "exact"},
                                                        {"--cells", "on"},
                                                        {"--shading", "flat"},
                                                        {"--max-depth", "3"},

@@ -398,6 +398,10 @@ TEST(CInterface, PicturesAreTheSame) {
   EXPECT_EQ(kairos_render(renderer, &wrong, nullptr, nullptr, &image), KAIROS_BAD_USAGE);
   EXPECT_THAT(kairos_last_error(), HasSubstr("cells: 'some' is not one of"));
   wrong.cells = nullptr;
+  wrong.mirrors = "bent";
+  EXPECT_EQ(kairos_render(renderer, &wrong, nullptr, nullptr, &image), KAIROS_BAD_USAGE);
+  EXPECT_THAT(kairos_last_error(), HasSubstr("mirrors: 'bent' is not one of"));
+  wrong.mirrors = nullptr;
   wrong.shadows = "soft";
   EXPECT_EQ(kairos_render(renderer, &wrong, nullptr, nullptr, &image), KAIROS_BAD_USAGE);
   EXPECT_THAT(kairos_last_error(), HasSubstr("shadows: 'soft' is not one of"));
