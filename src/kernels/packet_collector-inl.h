@@ -192,7 +192,8 @@ class PacketCollector {
     UnpackTriangle(triangles_, triangle, packet_, lane, edges, framed);
     const auto add = [&](const HitInterval<float>& hit) {
       add_in_pieces(state, framed, edges, hit, block.mesh[triangle], block.triangle[triangle],
-                    span.begin.lane[triangle], span.end.lane[triangle]);
+                    span.begin.lane[triangle], span.end.lane[triangle],
+                    [&](const Segment& piece) HWY_ATTR { AddHit(state, piece); });
     };
     if (!rare) return add(HitAt(lane));
     const HitIntervals<float> found = intersect_moving_triangle(framed, edges);

@@ -254,11 +254,12 @@ Segment to_segment(const HitInterval<Real>& hit, uint32_t mesh, uint32_t triangl
           hit.front};
 }
 
-/// Adds a hit; where order matters and the distance does not run straight between its ends, in pieces in which it does.
-template <class Real>
-void add_in_pieces(RayState& state, const FramedTriangle<Real>& f, const std::array<Quadratic<Real>, 3>& e,
+/// Hands on a hit to `add`, in shutter time; where order matters and the distance does not run straight between its
+/// ends, in pieces in which it does.
+template <class Real, class Add>
+void add_in_pieces(const RayState& state, const FramedTriangle<Real>& f, const std::array<Quadratic<Real>, 3>& e,
                    const HitInterval<Real>& hit, uint32_t mesh, uint32_t triangle, float span_begin, float span_end,
-                   int cuts = 0) {
+                   const Add& add, int cuts = 0) {
   const Real duration = (hit.end - hit.begin) * Real(span_end - span_begin);
   if (state.clips() && cuts < kDeepestCut<Real> && duration > Real(kShortestCut)) {
     const Real middle = Real(0.5) * (hit.begin + hit.end);
@@ -266,13 +267,13 @@ void add_in_pieces(RayState& state, const FramedTriangle<Real>& f, const std::ar
     const Real straight = Real(0.5) * (hit.dist_begin + hit.dist_end);
     if (std::abs(dist - straight) > Real(kLinearDistance<Real>) * dist) {
       add_in_pieces<Real>(state, f, e, {hit.begin, middle, hit.dist_begin, dist, hit.front}, mesh, triangle, span_begin,
-                          span_end, cuts + 1);
+                          span_end, add, cuts + 1);
       add_in_pieces<Real>(state, f, e, {middle, hit.end, dist, hit.dist_end, hit.front}, mesh, triangle, span_begin,
-                          span_end, cuts + 1);
+                          span_end, add, cuts + 1);
       return;
     }
   }
-  state.add(to_segment(hit, mesh, triangle, span_begin, span_end));
+  add(to_segment(hit, mesh, triangle, span_begin, span_end));
 }
 
 }  // namespace kairos

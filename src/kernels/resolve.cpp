@@ -145,7 +145,10 @@ class Sweep {
 
   /// Forgets what is over and finds what is seen from now on; false when nothing is.
   bool choose() {
-    if (seen_.end > now_) pending_.push_back(seen_);
+    if (seen_.end > now_)
+      pending_.push_back(seen_);
+    else if (pending_.size() == 1)
+      return choose_only();
     size_t kept = 0, nearest = 0;
     for (const Piece& piece : pending_) {
       if (!(piece.end > now_)) continue;
@@ -160,6 +163,17 @@ class Sweep {
     pending_.pop_back();
     for (const Piece& piece : pending_) pending_from_ = std::min(pending_from_, piece.nearest);
     see(chosen);
+    return true;
+  }
+
+  /// The same where one piece waits, as what lies behind fast and thin things does most of the time.
+  bool choose_only() {
+    const Piece only = pending_.front();
+    pending_.clear();
+    pending_from_ = std::numeric_limits<float>::infinity();
+    if (!(only.end > now_)) return false;
+    seen_ = only;
+    change_ = only.end;
     return true;
   }
 

@@ -66,7 +66,8 @@ void add_triangle(const RayFrame<double>& frame, const std::array<std::array<Vec
   const HitIntervals<double> found = intersect_moving_triangle(framed);
   const auto edges = edge_functions(framed);
   for (size_t i = 0; i < static_cast<size_t>(found.count); ++i)
-    add_in_pieces(state, framed, edges, found.hit[i], mesh, triangle, span_begin, span_end);
+    add_in_pieces(state, framed, edges, found.hit[i], mesh, triangle, span_begin, span_end,
+                  [&](const Segment& piece) { state.add(piece); });
 }
 
 /// Adds what the ray meets of what stands still: of a tree, or (map given) of an object that is placed.

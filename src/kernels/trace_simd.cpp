@@ -176,7 +176,7 @@ class Collector {
     const auto edges = edge_functions(framed);
     const auto add = [&](const HitInterval<T>& hit) {
       add_in_pieces(state_, framed, edges, hit, block.mesh[lane], block.triangle[lane], span.begin.lane[lane],
-                    span.end.lane[lane]);
+                    span.end.lane[lane], [&](const Segment& piece) HWY_ATTR { AddHit(state_, piece); });
     };
     if (!rare) {
       add(HitAt(hits, lane));
