@@ -56,7 +56,7 @@ enum class Shadows {
 };
 /// How it is found what mirrors and panes show of what moves.
 enum class Mirrors {
-  automatic,  ///< tc: exact; mixed and automatic: where it is worth it
+  automatic,  ///< tc: exact; mixed: exact where it is worth it, by looks at some pixels; automatic: sampled
   sampled,    ///< by discrete rays, at the instants of shading samples
   exact,      ///< in time, in Whitted's shading, wherever the mirror and the camera rest; elsewhere sampled
 };

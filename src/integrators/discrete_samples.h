@@ -10,6 +10,7 @@
 
 #include "discrete/discrete_scene.h"
 #include "integrators/integrator.h"
+#include "shading/exact_mirrors.h"
 #include "shading/exact_shadows.h"
 #include "shading/look_ups.h"
 
@@ -23,16 +24,19 @@ class SeenByRays {
   explicit SeenByRays(const Shader& shader, LookUps* look_ups = nullptr) : shader_(shader), look_ups_(look_ups) {}
 
   /// Shades them all; key_of(i): of ray number i. For each ray in turn, calls add_ray(number, first part, parts).
-  /// shadows: where they are exact, resting lights shine as if nothing passed before them; null: nowhere.
+  /// shadows: where they are exact, resting lights shine as if nothing passed before them; null: nowhere. mirrors:
+  /// those that are exact show what stands still alone; null: none.
   template <class KeyOf, class AddRay>
   void add(std::span<const Ray> rays, std::span<const float> times, std::span<const std::optional<DiscreteHit>> hits,
-           const KeyOf& key_of, RecordBuilder& out, const AddRay& add_ray, const ExactShadows* shadows = nullptr) {
+           const KeyOf& key_of, RecordBuilder& out, const AddRay& add_ray, const ExactShadows* shadows = nullptr,
+           const ExactMirrors* mirrors = nullptr) {
     queries_.clear();
     for (size_t i = 0; i < rays.size(); ++i)
       if (const auto& hit = hits[i]) {
         const bool exact = shadows != nullptr && shadows->on(hit->mesh);
         queries_.push_back({rays[i], hit->mesh, hit->triangle, times[i], shader_.width_at(hit->dist), key_of(i),
                             exact ? RestingLights::as_if_none_passed : RestingLights::as_is});
+        if (mirrors != nullptr) queries_.back().still_in = &mirrors->meshes();
       }
     shades_.resize(queries_.size());
     if (look_ups_ == nullptr)

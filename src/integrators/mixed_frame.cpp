@@ -79,8 +79,15 @@ void MixedFrame::use_shadows() {
   tc_shadows.reset();
   resting_shadows.reset();
   if (!plan.exact_shadows.empty()) tc_shadows.emplace(context.shader, tracer, scene, plan.exact_shadows);
-  if (plan.still_rays_per_exact > 0)
-    resting_shadows.emplace(context.shader, tracer, scene, context.shader.resting_receivers());
+  resting_mirrors.reset();
+  if (plan.still_rays_per_exact == 0) return;
+  std::vector<bool> receivers =
+      params.shadows == Shadows::sampled ? std::vector<bool>(shot.meshes.size()) : context.shader.resting_receivers();
+  if (!plan.exact_mirrors.empty()) {
+    resting_mirrors.emplace(context.shader, tracer, scene, plan.exact_mirrors);
+    for (size_t m = 0; m < receivers.size(); ++m) receivers[m] = receivers[m] && !plan.exact_mirrors[m];
+  }
+  resting_shadows.emplace(context.shader, tracer, scene, std::move(receivers));
 }
 
 ShadingOptions MixedFrame::tc_shading() const {

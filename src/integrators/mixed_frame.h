@@ -9,6 +9,7 @@
 #include "integrators/frame_plan.h"
 #include "integrators/integrator.h"
 #include "motion/motion_mask.h"
+#include "shading/exact_mirrors.h"
 #include "shading/exact_shadows.h"
 #include "shading/packet_shading.h"
 
@@ -68,6 +69,7 @@ class MixedFrame {
   FramePlan plan;
   std::optional<ExactShadows> tc_shadows;       ///< unset: they are sampled
   std::optional<ExactShadows> resting_shadows;  ///< where nothing moves but shadows; unset: they are sampled
+  std::optional<ExactMirrors> resting_mirrors;  ///< where nothing moves but what they show; unset: that is sampled
   bool will_race = false;                       ///< until then any pixel may get time-continuous rays
 };
 

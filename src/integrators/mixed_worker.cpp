@@ -32,7 +32,9 @@ MixedWorker::MixedWorker(const MixedFrame& frame, LookUps* look_ups)
   places_.reserve(static_cast<size_t>(frame.strip()));
   for (int i = 0; i < frame.strip(); ++i) places_.push_back({StillLayer(context_, frame.scene, look_ups)});
   here_ = places_.data();
-  if (frame.resting_shadows) resting_.emplace(*frame.resting_shadows);
+  if (frame.resting_shadows)
+    resting_.emplace(*frame.resting_shadows, frame.resting_mirrors ? &*frame.resting_mirrors : nullptr,
+                     lit_sample_time(frame.shot, frame.params.shading));
 }
 
 const PixelRecord& MixedWorker::render_pixel(int x, int y, Monitor& monitor) {
@@ -92,7 +94,7 @@ PixelLook MixedWorker::look_at(int x, int y, Monitor& monitor) {
   double price = frame_.sample_price(layer);
   if (resting_ && layer == DiscreteLayer::still) {
     here_->still_layer.begin_pixel(x, y, pixel, {});
-    here_->still_layer.add_rays(0, first, &*frame_.resting_shadows, monitor, record_);
+    here_->still_layer.add_rays(0, first, resting_->shadows(), resting_->mirrors(), monitor, record_);
     contrast_.add(record_, record_.still_rays());
     const double before = resting_->time();
     resting_->add_exact(here_->still_layer, exact_rays(first), {}, record_);
@@ -155,7 +157,7 @@ double MixedWorker::passing_shadow_time(int x, int y, Monitor& monitor) {
   const uint32_t looks = std::min(2u, frame_.budget);
   here_->still_layer.begin_pixel(x, y, frame_.race_points[0].pixel(x, y), {});
   record_.begin_pixel(x, y, context_.background);
-  here_->still_layer.add_rays(0, looks, &*frame_.resting_shadows, monitor, record_);
+  here_->still_layer.add_rays(0, looks, resting_->shadows(), resting_->mirrors(), monitor, record_);
   const double before = resting_->time();
   resting_->add_exact(here_->still_layer, looks, {}, record_);
   return resting_->changes() ? (resting_->time() - before) / looks : 0;
@@ -169,7 +171,7 @@ MixedWorker::ShadowRace MixedWorker::race_shadows(int x, int y, Monitor& monitor
     const Sampler::Pixel pixel = frame_.race_points[half].pixel(x, y);
     record_.begin_pixel(x, y, context_.background, window);
     here_->still_layer.begin_pixel(x, y, pixel, {});
-    here_->still_layer.add_rays(0, frame_.budget, &*frame_.resting_shadows, monitor, record_);
+    here_->still_layer.add_rays(0, frame_.budget, resting_->shadows(), resting_->mirrors(), monitor, record_);
     resting_->add_exact(here_->still_layer, exact_rays(frame_.budget), window, record_);
     exact[half] = reduce(record_.finish(), {}, false).colour;
     record_.begin_pixel(x, y, context_.background, window);
@@ -226,18 +228,36 @@ void MixedWorker::render_discrete(int x, int y, const Sampler::Pixel& pixel, Dis
   }
 }
 
-/// As many samples as render_discrete() takes, by a contrast that knows nothing of what passes.
+bool MixedWorker::passes_in_mirrors(int x, int y) {
+  if (resting_->mirrors() == nullptr) return false;
+  constexpr uint32_t kLooks = 2;
+  const Sampler::Pixel pixel = frame_.share_points.pixel(x, y);
+  const TimeRange window = context_.times(x, y).window();
+  for (uint32_t i = 0; i < kLooks; ++i) {
+    const Ray ray = context_.ray(x, y, frame_.share_points.point(pixel, i));
+    std::optional<DiscreteHit> still;
+    frame_.scene.intersect({&ray, 1}, {&window.begin, 1}, {&still, 1}, DiscreteLayer::still);
+    ++share_rays_;
+    if (still && resting_->passes_in_mirror(ray, *still, window)) return true;
+  }
+  return false;
+}
+
+/// As many samples as render_discrete() takes, by a contrast that knows nothing of what passes; where that is seen in a
+/// mirror, it is as uneven as things themselves are, and at least the budget is taken.
 void MixedWorker::render_resting(int x, int y, const Sampler::Pixel& pixel, Monitor& monitor) {
   const std::optional<SampleSpread>& spread = frame_.plan.spread;
-  const ExactShadows* shadows = &*frame_.resting_shadows;
+  const ExactShadows* shadows = resting_->shadows();
+  const ExactMirrors* mirrors = resting_->mirrors();
   uint32_t taken = spread ? spread->first() : frame_.budget;
   here_->still_layer.begin_pixel(x, y, pixel, {});
-  here_->still_layer.add_rays(0, taken, shadows, monitor, record_);
+  here_->still_layer.add_rays(0, taken, shadows, mirrors, monitor, record_);
   if (spread) {
     contrast_.begin_pixel();
     contrast_.add(record_, record_.still_rays());
-    while (taken < spread->count(contrast_.square())) {
-      here_->still_layer.add_rays(taken, 2 * taken, shadows, monitor, record_);
+    const uint32_t least = passes_in_mirrors(x, y) ? frame_.budget : 0;
+    while (taken < std::max(least, spread->count(contrast_.square()))) {
+      here_->still_layer.add_rays(taken, 2 * taken, shadows, mirrors, monitor, record_);
       contrast_.add(record_, record_.still_rays().subspan(taken));
       taken *= 2;
     }
@@ -310,7 +330,7 @@ void MixedWorker::add_still_term(int x, int y, const PixelPlan& plan, Monitor& m
   if (!(share > 0)) return;
   const uint32_t count = frame_.automatic ? still_rays(plan, share) : std::max(plan.tc_rays, plan.discrete);
   if (count <= plan.tc_rays) return;
-  here_->still_layer.add_rays(0, count, frame_.tc_shadows ? &*frame_.tc_shadows : nullptr, monitor, record_);
+  here_->still_layer.add_rays(0, count, frame_.tc_shadows ? &*frame_.tc_shadows : nullptr, nullptr, monitor, record_);
   record_.set_still(plan.tc_rays, static_cast<float>(share));
 }
 

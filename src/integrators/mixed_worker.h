@@ -70,6 +70,8 @@ class MixedWorker : public Integrator::Worker {
   bool has_still_edge_in_front(int x, int y, Monitor& monitor);
   bool shows_others(int x, int y);
   void render_discrete(int x, int y, const Sampler::Pixel& pixel, DiscreteLayer layer, Monitor& monitor);
+  /// Is something that passes seen in a mirror at rest, by a few rays independent of all others?
+  bool passes_in_mirrors(int x, int y);
   void render_resting(int x, int y, const Sampler::Pixel& pixel, Monitor& monitor);
   /// Along how many of a pixel's still rays shadows are found exactly.
   uint32_t exact_rays(uint32_t still_rays) const;

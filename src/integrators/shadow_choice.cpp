@@ -16,12 +16,17 @@ namespace {
 
 // Pixels looked at for shadows that pass: one in so many, within limits.
 constexpr size_t kPixelsPerShadowLook = 64, kLeastShadowLooks = 128, kMostShadowLooks = 512;
-constexpr size_t kMostRacing = 96;  // of those in which any does: the error of so many is known to about 1 dB
+constexpr size_t kMostMirrorLooks = 2048;  // what mirrors show often covers little of a picture
+constexpr size_t kMostRacing = 96;         // of those in which any does: the error of so many is known to about 1 dB
 constexpr size_t kPixelsPerTask = 8;
 /// Exact looks are to take about so much of the time of the still rays beside them: half as many leave 3 dB more noise
 /// in the shadow of a fan, a quarter 10 dB more.
 constexpr double kShareOfTime = 0.5;
 constexpr double kMostStillRaysPerExact = 16;
+/// Of what mirrors show, which has edges, unlike shadows: a quarter as many rays leave 9 dB more noise.
+constexpr double kMostStillRaysPerMirrored = 4;
+/// What passes in mirrors covers few pixels, some of which have most of the error: that their sum is half is enough.
+constexpr double kFarSmaller = 0.5;
 
 bool is_any(const std::vector<bool>& meshes) { return std::find(meshes.begin(), meshes.end(), true) != meshes.end(); }
 
@@ -42,7 +47,8 @@ struct Passing {
 
 Passing find_passing(const MixedFrame& frame, Monitor& monitor) {
   std::vector<LookPixel> places = look_pixels(frame.shot.projection);
-  const size_t wanted = std::clamp(pixels_of(frame) / kPixelsPerShadowLook, kLeastShadowLooks, kMostShadowLooks);
+  const size_t most = frame.resting_mirrors ? kMostMirrorLooks : kMostShadowLooks;
+  const size_t wanted = std::clamp(pixels_of(frame) / kPixelsPerShadowLook, kLeastShadowLooks, most);
   places.resize(std::min(places.size(), wanted));
   std::erase_if(places, [&](const LookPixel& at) { return frame.is_over_time(at.x, at.y); });
   std::vector<double> times(places.size());
@@ -60,7 +66,7 @@ Passing find_passing(const MixedFrame& frame, Monitor& monitor) {
   return passing;
 }
 
-/// Do exact shadows have clearly the smaller product of error and time?
+/// Do exact shadows and mirrors have clearly the smaller product of error and time?
 bool exact_wins(const MixedFrame& frame, std::vector<LookPixel> pixels, Monitor& monitor) {
   pixels.resize(std::min(pixels.size(), kMostRacing));
   std::vector<MixedWorker::ShadowRace> runs(pixels.size());
@@ -70,7 +76,9 @@ bool exact_wins(const MixedFrame& frame, std::vector<LookPixel> pixels, Monitor&
   });
   Duel duel;
   for (const auto& run : runs) duel.add(run.exact, run.sampled);
-  return duel.is_won();
+  const bool is_far_smaller =
+      duel.pixels() >= Duel::kLeastPixels && duel.mean_ours() < kFarSmaller * duel.mean_theirs();
+  return duel.is_won() || (frame.resting_mirrors && is_far_smaller);
 }
 
 }  // namespace
@@ -98,13 +106,17 @@ std::vector<bool> choose_exact_mirrors(const PixelContext& context, const Render
 void choose_shadows(MixedFrame& frame, Monitor& monitor) {
   const bool all_rests = std::all_of(frame.shot.meshes.begin(), frame.shot.meshes.end(),
                                      [](const Mesh& mesh) { return mesh.is_static(); });
-  if (all_rests || !may_be_exact(frame.params, frame.shading) || !is_any(frame.context.shader.resting_receivers()))
-    return;
+  if (all_rests || frame.cells.side > 0) return;  // colours, of which shadows are taken, come later with cells
+  const bool shadows = may_be_exact(frame.params, frame.shading) && is_any(frame.context.shader.resting_receivers());
+  // Samples that auto gives to pixels by how uneven they are know nothing of what passes in mirrors: with 16 of them a
+  // picture with a fan in a mirror became worse by 4 dB.
+  if (!frame.automatic || frame.params.mirrors == Mirrors::exact)
+    frame.plan.exact_mirrors = choose_exact_mirrors(frame.context, frame.params, frame.shading);
+  if (!shadows && frame.plan.exact_mirrors.empty()) return;
   // In smaller pictures looks would take more than they could save.
-  const bool leaves_open = frame.params.shadows == Shadows::automatic;
+  const bool leaves_open = frame.params.shadows != Shadows::exact && frame.params.mirrors != Mirrors::exact;
   if (leaves_open && pixels_of(frame) < 10 * kLeastShadowLooks) return;
-  if (frame.cells.side > 0) return;  // colours, of which shadows are taken, come later there
-  const bool may_trace = !frame.mask.empty() && (!frame.automatic || frame.plan.allotment.buys_tc());
+  const bool may_trace = shadows && !frame.mask.empty() && (!frame.automatic || frame.plan.allotment.buys_tc());
   if (may_trace)
     frame.plan.exact_shadows =
         choose_exact_shadows(frame.context, frame.shot, frame.params, frame.tracer, frame.scene, frame.shading);
@@ -113,7 +125,8 @@ void choose_shadows(MixedFrame& frame, Monitor& monitor) {
   frame.use_shadows();
   const Passing passing = find_passing(frame, monitor);
   const double dearer = passing.time / (kShareOfTime * lit_sample_time(frame.shot, frame.params.shading));
-  per_exact = std::bit_ceil(static_cast<uint32_t>(std::clamp(dearer, 1.0, kMostStillRaysPerExact)));
+  const double most = frame.resting_mirrors ? kMostStillRaysPerMirrored : kMostStillRaysPerExact;
+  per_exact = std::bit_ceil(static_cast<uint32_t>(std::clamp(dearer, 1.0, most)));
   if (leaves_open && !exact_wins(frame, passing.pixels, monitor)) per_exact = 0;
   frame.use_shadows();
 }

@@ -49,8 +49,9 @@ class StillLayer {
         std::count_if(hits_.begin(), hits_.begin() + count, [&](const auto& hit) { return hit && hit->dist < dist; }));
   }
 
-  /// Adds rays [begin, end) and what they see to `out`. shadows: see SeenByRays.
-  void add_rays(uint32_t begin, uint32_t end, const ExactShadows* shadows, Monitor& monitor, RecordBuilder& out) {
+  /// Adds rays [begin, end) and what they see to `out`. shadows, mirrors: see SeenByRays.
+  void add_rays(uint32_t begin, uint32_t end, const ExactShadows* shadows, const ExactMirrors* mirrors,
+                Monitor& monitor, RecordBuilder& out) {
     trace(end, monitor);
     const auto some = [&](auto& all) { return std::span(all).subspan(begin, end - begin); };
     seen_.add(
@@ -63,8 +64,9 @@ class StillLayer {
           out.add_still_ray({film_[begin + i], 1, times_[begin + i], first, parts, 0});
           evaluations_ += shades_now_ && hits_[begin + i].has_value();
         },
-        shadows);
+        shadows, mirrors);
   }
+  SampleKey key(uint32_t index) const { return {pixel_.seed, index}; }
   /// Of those that were added.
   const Ray& ray(uint32_t index) const { return rays_[index]; }
 

@@ -9,6 +9,7 @@
 
 #include "discrete/discrete_scene.h"
 #include "shading/shader.h"
+#include "shading/step_sum.h"
 
 namespace kairos {
 
@@ -25,6 +26,7 @@ class ExactMirrors {
   const Shader& shader() const { return shader_; }
   const Tracer& tracer() const { return tracer_; }
   const DiscreteScene& scene() const { return scene_; }
+  const std::vector<bool>& meshes() const { return meshes_; }
 
  private:
   const Shader& shader_;
@@ -33,11 +35,10 @@ class ExactMirrors {
   std::vector<bool> meshes_;
 };
 
-/// What is seen by way of mirrors: the rays on which mirrors send a ray on, and what these see. One thread's memory.
+/// What is seen by way of mirrors: the rays on which mirrors send a ray on, if they leave kLeastExact, and what these
+/// see. Weaker reflections are left to shading samples, which follow discrete rays. One thread's memory.
 class MirrorSights {
  public:
-  /// Weaker reflections are left to shading samples, which follow discrete rays.
-  static constexpr float kLeastWeight = 1.0f / 16;
   /// Of a mirror's own light, so that some samples go there: it may be brighter than what the mirror shows.
   static constexpr float kLeastOwn = 1.0f / 16;
 
@@ -77,6 +78,35 @@ class MirrorSights {
   std::vector<FollowedRay> onwards_;
   std::vector<Sight> sights_;
   std::vector<Seen> seen_;
+};
+
+/// What things that move change in mirrors, from what these would show if all of them were away: as
+/// ShadingQuery::still_in has it. One thread's scratch memory.
+class PassingInMirrors {
+ public:
+  /// Adds the differences, of what a ray from the camera sees of a mirror at `dist`, to `sum`. They are samples, right
+  /// in the mean; where and when there are any is exact.
+  void look(const ExactMirrors& mirrors, const Ray& ray, uint32_t mesh, uint32_t triangle, float dist, SampleKey key,
+            const TimeRange& window, StepSum& sum);
+
+  /// Did the last look find any?
+  bool changes() const { return changes_; }
+  uint64_t evaluations() const { return evaluations_; }
+  TraceCounters counters() const { return workspace_.counters(); }
+
+ private:
+  struct Seen {
+    ShadingQuery query;
+    Vec3f share;
+    float begin, end;
+  };
+  void follow(const ExactMirrors& mirrors, const Seen& seen, const FollowedRay& onwards, StepSum& sum);
+
+  Tracer::Workspace workspace_;
+  std::vector<FollowedRay> onwards_;
+  std::vector<Seen> open_;  // mirrors to be followed
+  bool changes_ = false;
+  uint64_t evaluations_ = 0;
 };
 
 }  // namespace kairos

@@ -81,7 +81,7 @@ Between find_between(double share, size_t entries) {
   return {before, place - static_cast<double>(before)};
 }
 
-double look_up(const Table& table, double cosine, double alpha) {
+double read_table(const Table& table, double cosine, double alpha) {
   const auto [r, rough] = find_between(std::sqrt(std::max(alpha, 0.0)), kRoughnesses);
   const auto [c, on] = find_between(std::sqrt(std::max(cosine, 0.0)), kCosines);
   const double smoother = table[r][c] + (table[r][c + 1] - table[r][c]) * on;
@@ -108,14 +108,14 @@ const Table& glass_table(size_t index) {
 
 double reflected_once(double cosine, double alpha) {
   static const Table table = make_table(mean_reflected_once);
-  return look_up(table, cosine, alpha);
+  return read_table(table, cosine, alpha);
 }
 
 double reflected_or_refracted_once(double cosine, double alpha, double eta) {
   const double index = (eta - 1) / (eta + 1);
   const auto [i, on] = find_between((index / kMostIndex + 1) / 2, kIndices);
-  const double before = look_up(glass_table(i), cosine, alpha);
-  return before + (look_up(glass_table(i + 1), cosine, alpha) - before) * on;
+  const double before = read_table(glass_table(i), cosine, alpha);
+  return before + (read_table(glass_table(i + 1), cosine, alpha) - before) * on;
 }
 
 }  // namespace kairos

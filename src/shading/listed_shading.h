@@ -142,7 +142,7 @@ class ListedShading {
       query.depth = sight->depth;
       query.weight = sight->weight;
     }
-    if (mirrors_->on(segment.mesh)) query.followed_elsewhere = MirrorSights::kLeastWeight;
+    if (mirrors_->on(segment.mesh)) query.followed_elsewhere = kLeastExact;
     return query;
   }
 

@@ -31,7 +31,13 @@ struct ShadingQuery {
   float weight = 1;  ///< the strongest component of what they leave of the light along it
   /// Mirrors and glass there that would leave at least so much are followed by somebody else.
   float followed_elsewhere = std::numeric_limits<float>::infinity();
+  /// [mesh]: of these what is followed, if it brings at least kLeastExact, meets what stands still alone. Null: of
+  /// none.
+  const std::vector<bool>* still_in = nullptr;
 };
+
+/// Mirrors that are exact in time are so where they leave at least so much of the light.
+inline constexpr float kLeastExact = 1.0f / 16;
 
 /// Where a mirror or glass sends a ray on.
 struct FollowedRay {

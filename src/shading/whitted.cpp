@@ -147,7 +147,11 @@ Vec3f Whitted::followed(const Ray& ray, const SurfacePoint& point, const Scatter
   Vec3f colour{};
   visit_followed(ray, point, scatter, past, [&](Vec3f share, const Ray& onwards, float rest, uint64_t branch) {
     if (rest >= past.followed_elsewhere) return;
-    colour += share * from(onwards, point.width, instant, key.branch(branch), {past.depth + 1, rest});
+    const bool still = past.still_in != nullptr && (*past.still_in)[point.mesh] && rest >= kLeastExact;
+    Past beyond{past.depth + 1, rest};
+    if (still) beyond.still_in = past.still_in;
+    colour += share * from(onwards, point.width, instant, key.branch(branch), beyond,
+                           still ? DiscreteLayer::still : DiscreteLayer::all);
   });
   return colour;
 }
@@ -167,8 +171,13 @@ Vec3f Whitted::beyond(const Ray& ray, float time) const {
   return lights_.beyond(in_world, cone_spread_);
 }
 
-Vec3f Whitted::from(const Ray& ray, double width, const SampleInstant& instant, SampleKey key, const Past& past) const {
-  const auto hit = shadows_.scene().intersect(ray, instant.time);
+Vec3f Whitted::from(const Ray& ray, double width, const SampleInstant& instant, SampleKey key, const Past& past,
+                    DiscreteLayer layer) const {
+  std::optional<DiscreteHit> hit;
+  if (layer == DiscreteLayer::all)
+    hit = shadows_.scene().intersect(ray, instant.time);
+  else
+    shadows_.scene().intersect({&ray, 1}, {&instant.time, 1}, {&hit, 1}, layer);
   if (!hit) return lights_.beyond(instant.place.vector_to_world(normalize(to_double(ray.direction))), cone_spread_);
   const double there = width + cone_spread_ * static_cast<double>(hit->dist);
   return shade(ray, points_.at(ray, hit->mesh, hit->triangle, there, instant), instant, key, past);

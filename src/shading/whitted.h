@@ -60,8 +60,11 @@ class Whitted : public LitShading {
   struct Past {
     int depth = 0;
     float weight = 1, followed_elsewhere = std::numeric_limits<float>::infinity();
+    const std::vector<bool>* still_in = nullptr;
   };
-  static Past past_of(const ShadingQuery& query) { return {query.depth, query.weight, query.followed_elsewhere}; }
+  static Past past_of(const ShadingQuery& query) {
+    return {query.depth, query.weight, query.followed_elsewhere, query.still_in};
+  }
 
   Vec3f shade(const Ray& ray, const SurfacePoint& point, const SampleInstant& instant, SampleKey key,
               const Past& past) const;
@@ -84,7 +87,9 @@ class Whitted : public LitShading {
                       AreaLights::View& view, SampleKey key) const;
   /// Does it look for emissive meshes?
   bool meets_areas(const Scatter& scatter) const { return scatter.is_sharp() && !lights_.areas().empty(); }
-  Vec3f from(const Ray& ray, double width, const SampleInstant& instant, SampleKey key, const Past& past) const;
+  /// What is met of the layer, lit as ever.
+  Vec3f from(const Ray& ray, double width, const SampleInstant& instant, SampleKey key, const Past& past,
+             DiscreteLayer layer) const;
 
   SurfacePoints points_;
   Lights lights_;

@@ -1,11 +1,14 @@
 // Mirrors and panes exact in time: what they show of what moves, where they and the camera rest.
 #include "shading/exact_mirrors.h"
 
+#include <array>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include <kairos/names.h>
 #include <kairos/render.h>
 
 #include "pixel_means.h"
@@ -35,9 +38,11 @@ Shot looking_at(std::vector<Mesh> meshes) {
   return shot;
 }
 
-RenderParams mirrored(Mirrors mirrors, int rays, int samples) {
+constexpr std::array kWithMirrors{IntegratorKind::tc, IntegratorKind::mixed, IntegratorKind::automatic};
+
+RenderParams mirror_params(Mirrors mirrors, int rays, int samples, IntegratorKind integrator = IntegratorKind::tc) {
   RenderParams params;
-  params.integrator = IntegratorKind::tc;
+  params.integrator = integrator;
   params.shading = ShadingKind::whitted;
   params.mirrors = mirrors;
   params.tc_rays = rays;
@@ -46,7 +51,7 @@ RenderParams mirrored(Mirrors mirrors, int rays, int samples) {
   return params;
 }
 
-void expect_everywhere(const Image& image, double value) {
+void expect_one_value(const Image& image, double value) {
   for (const float seen : image.find("R")->values) EXPECT_NEAR(seen, value, 1e-5 * value);
 }
 
@@ -56,14 +61,15 @@ TEST(ExactMirrors, ShowWhatPasses) {
   const Mesh at_45_degrees = parallelogram({-1, -1, -11}, {0, 2, 0}, {2, 0, 2}, 0);
   const Mesh lamp = carried(parallelogram({-5, -5, -10.9f}, {0, 0, -0.2f}, {0, 10, 0}, 2), {0, 0, 2});
   const Shot shot = looking_at({at_45_degrees, lamp});
-  expect_everywhere(render(shot, mirrored(Mirrors::exact, 1, 1)), 0.1);
+  for (const IntegratorKind integrator : kWithMirrors)
+    expect_one_value(render(shot, mirror_params(Mirrors::exact, 1, 1, integrator)), 0.1);
 }
 
 TEST(ExactMirrors, LetSeeWhatPassesBehindPanes) {
   const Mesh pane = parallelogram({-1, -1, -5}, {2, 0, 0}, {0, 2, 0}, 1);
   const Mesh lamp = carried(parallelogram({-1.2f, -5, -10}, {0.2f, 0, 0}, {0, 10, 0}, 2), {2, 0, 0});
   const double one_face = 0.04, pane_reflects = 2 * one_face / (1 + one_face);
-  expect_everywhere(render(looking_at({pane, lamp}), mirrored(Mirrors::exact, 1, 1)), 0.1 * (1 - pane_reflects));
+  expect_one_value(render(looking_at({pane, lamp}), mirror_params(Mirrors::exact, 1, 1)), 0.1 * (1 - pane_reflects));
 }
 
 /// Bent mirrors, glass, mirrors in mirrors, edges of mirrors, and what rests: 256 seeds with KAIROS_LONG.
@@ -82,11 +88,13 @@ TEST(ExactMirrors, HaveTheMeanOfDiscreteRays) {
   shot.background = {0.2f, 0.3f, 0.4f};
   const int seeds = test::seeds_of_means(32);
   Renderer renderer(shot);
-  RenderParams discrete = mirrored(Mirrors::sampled, 2, 2);
+  RenderParams discrete = mirror_params(Mirrors::sampled, 2, 2);
   discrete.integrator = IntegratorKind::qmc;
   const auto sampled = test::sums_over_seeds(renderer, discrete, seeds, random);
-  const auto exact = test::sums_over_seeds(renderer, mirrored(Mirrors::exact, 2, 2), seeds, random);
-  test::expect_same_means(exact, sampled, seeds, "tc");
+  for (const IntegratorKind integrator : kWithMirrors) {
+    const auto exact = test::sums_over_seeds(renderer, mirror_params(Mirrors::exact, 2, 2, integrator), seeds, random);
+    test::expect_same_means(exact, sampled, seeds, std::string(to_string(integrator)));
+  }
 }
 
 TEST(ExactMirrors, AreThoseThatRestBeforeACameraThatDoes) {
