@@ -13,8 +13,9 @@ namespace {
 
 /// Pairs of a ray and a triangle solved, relative to single rays, up to which packets are faster. Measured: packets of
 /// 16 take 0.75 to 0.85 of the time at 2 and as much at 3; packets of four 0.9 at 1.6. Those of strips keep the hits of
-/// several pixels at a time: pictures take 0.85 of the time at 1.4, as long at 1.8 and 1.25 times as long at 2.2.
-constexpr double kMostOfLarge = 2.5, kMostOfSmall = 1.8, kMostOfStrips = 1.9;
+/// several pixels at a time: with four rays in a pixel pictures take 0.8 of the time at 1, 0.9 at 1.8; with one, whose
+/// strips are long, 0.87 at 1.4 and 1.2 times as long at 2.
+constexpr double kMostOfLarge = 2.5, kMostOfSmall = 1.8, kMostOfStrips = 1.9, kMostOfLongStrips = 1.5;
 constexpr uint32_t kPacketPixels = 24, kPacketRays = Tracer::kMaxPacket;
 constexpr size_t kPacketPixelsPerTask = 4;
 
@@ -81,7 +82,7 @@ PacketChoice choose_packets(const PixelContext& context, const Projection& proje
     return static_cast<double>(solves) <= most * static_cast<double>(sum.single);
   };
   return {few(sum.large, kMostOfLarge), few(sum.small, kMostOfSmall), few(sum.strip, kMostOfStrips),
-          few(sum.long_strip, kMostOfStrips)};
+          few(sum.long_strip, kMostOfLongStrips)};
 }
 
 }  // namespace kairos
