@@ -122,7 +122,7 @@ def ground(renderer, args):
     (renderer.scene("blades").parent / "sun.json").write_text(json.dumps(scene))
     SCENES["sun"] = "blades/sun.json"
     args.size = "320x180"
-    crop = ["--crop", "0,130,150,168"]
+    crop = ["--crop", "0,130,132,180"]
     pictures = [renderer.render("sun", *crop, "--integrator", "tc", "--tc-rays", args.reference, "--shadows", "exact", "--seed", seed)[0] for seed in (1001, 1002)]
     reference, noise = [(a + b) / 2 for a, b in zip(*pictures)], squared(*pictures) / 4
 
