@@ -2,8 +2,8 @@
 // `auto` is ever worse than what is fixed.
 //
 // usage: bench_auto SCENE... [--size WxH] [--frame F] [--shutter OPEN,CLOSE] [--camera NAME] [--instances WHICH]
-//                   [--shading normal] [--rows N] [--budgets N,...] [--tc-rays N,...] [--seeds N] [--reference N]
-//                   [--csv FILE]
+//                   [--shading normal] [--rows N] [--budgets N,...] [--tc-rays N,...] [--methods NAME,...] [--seed N]
+//                   [--seeds N] [--reference N] [--keep-reference FILE] [--csv FILE]
 //
 // Rows are spread evenly over the frame; what is looked at before counts by their share of it. One thread, processor
 // time. For the CSV file METHOD_s and METHOD_db: seconds, and -10 log10 of the mean squared error of colours as a
@@ -13,13 +13,18 @@
 //   auto
 //   tc        time-continuous rays             (rays: these)
 //   mixed     with 16 times as many rays to what stands still
-// The reference: time-continuous rays with 32 times as many to what stands still, with a seed of its own.
+// The reference: time-continuous rays with 32 times as many to what stands still, with a seed of its own. It takes as
+// long as all else: kept in a file, it is made once for any number of runs with other methods and seeds.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <kairos/error.h>
 #include <kairos/names.h>
 #include <kairos/render.h>
 
@@ -55,6 +60,9 @@ class Ways {
     return params;
   }
 
+  /// How many a picture has.
+  size_t values() const { return 3 * rows_.size() * static_cast<size_t>(shot_.projection.width); }
+
   Seen render(RenderParams params) {
     Seen seen;
     const double share = static_cast<double>(rows_.size()) / shot_.projection.height;
@@ -85,24 +93,47 @@ double decibels(const std::vector<float>& a, const std::vector<float>& b) {
 
 struct Choice {
   std::vector<int> budgets{2, 4, 8, 16, 32, 64, 128, 256, 512}, tc_rays{1, 2, 4, 8, 16, 32};
-  int rows = 30, seeds = 1, reference = 64;
+  std::vector<std::string> methods{"discrete", "spread", "auto", "tc", "mixed"};
+  int rows = 30, seed = 0, seeds = 1, reference = 64;
+  std::string kept_reference;
+
+  bool has(const char* method) const { return std::find(methods.begin(), methods.end(), method) != methods.end(); }
 };
 
-void measure(const Shot& shot, ShadingKind shading, const Choice& choice, Rows& rows) {
-  constexpr uint64_t kReferenceSeed = 977;
-  Ways ways(shot, shading, choice.rows);
+/// Renders it, or reads what was kept of the same shot, rows and number of rays.
+std::vector<float> reference_of(Ways& ways, const Choice& choice, size_t values) {
+  if (!choice.kept_reference.empty()) {
+    std::vector<float> kept(values);
+    const auto bytes = static_cast<std::streamsize>(values * sizeof(float));
+    std::ifstream in(choice.kept_reference, std::ios::binary);
+    if (in.read(reinterpret_cast<char*>(kept.data()), bytes) && in.peek() == std::ifstream::traits_type::eof())
+      return kept;
+  }
+  constexpr uint64_t kSeed = 977;
   const int rays = choice.reference;
-  const Seen reference = ways.render(ways.params(IntegratorKind::mixed, rays, 32 * rays, kReferenceSeed));
+  std::vector<float> made = ways.render(ways.params(IntegratorKind::mixed, rays, 32 * rays, kSeed)).values;
+  if (!choice.kept_reference.empty()) {
+    std::ofstream out(choice.kept_reference, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(made.data()), static_cast<std::streamsize>(made.size() * sizeof(float)));
+    if (!out.flush()) throw Error(ErrorCode::io, choice.kept_reference, "cannot be written");
+  }
+  return made;
+}
+
+void measure(const Shot& shot, ShadingKind shading, const Choice& choice, Rows& rows) {
+  Ways ways(shot, shading, choice.rows);
+  const std::vector<float> reference = reference_of(ways, choice, ways.values());
   // Told that time-continuous rays are far too dear, auto traces none.
   Calibration dear;
   dear.discrete_sample = 1;
   dear.still_ray = ways.render(ways.params(IntegratorKind::automatic, 1, 2, 0)).prices.still_ray;
   dear.tc_ray.fill(1e6);
-  for (int seed = 0; seed < choice.seeds; ++seed) {
+  for (int seed = choice.seed; seed < choice.seed + choice.seeds; ++seed) {
     const auto add = [&](const char* method, int effort, const RenderParams& params) {
+      if (!choice.has(method)) return;
       const Seen seen = ways.render(params);
       rows.add(std::string(method) + "_s", effort, seed, seen.seconds);
-      rows.add(std::string(method) + "_db", effort, seed, decibels(reference.values, seen.values));
+      rows.add(std::string(method) + "_db", effort, seed, decibels(reference, seen.values));
     };
     for (const int budget : choice.budgets) {
       add("discrete", budget, ways.params(IntegratorKind::qmc, 1, budget, seed));
@@ -127,8 +158,14 @@ int run(int argc, char** argv) {
   app.add_option("--rows", choice.rows);
   app.add_option("--budgets", choice.budgets)->delimiter(',');
   app.add_option("--tc-rays", choice.tc_rays)->delimiter(',');
+  app.add_option("--methods", choice.methods)
+      ->delimiter(',')
+      ->check(CLI::IsMember({"discrete", "spread", "auto", "tc", "mixed"}));
+  app.add_option("--seed", choice.seed, "The first");
   app.add_option("--seeds", choice.seeds);
   app.add_option("--reference", choice.reference, "Time-continuous rays in a pixel of it");
+  app.add_option("--keep-reference", choice.kept_reference,
+                 "A file that keeps it between runs with the same shot, rows and number of its rays");
   app.add_option("--csv", csv, "The file to write; standard output, if not given");
   CLI11_PARSE(app, argc, argv);
   Rows rows(csv);

@@ -21,7 +21,7 @@ struct FramePlan {
   uint32_t still_rays_per_exact = 0;  ///< where nothing moves but shadows, see RestingPixels; 0: they are sampled
   // Of the integrators mixed and auto.
   RayPrices prices;
-  WorkSample work;                     ///< of a few rays; empty where prices are known
+  WorkSample work;                     ///< of a few rays
   Allotment allotment{1, {}};          ///< of the budget, where things move
   std::optional<Race> race;            ///< of lit pictures: decides in place of the allotment, where there was one
   std::optional<SampleSpread> spread;  ///< of pixels with discrete samples alone; unset: all get the budget

@@ -8,8 +8,6 @@ namespace kairos {
 
 namespace {
 
-constexpr double kLeastPrice = 0.05;  // of a sample of what stands still, even where nothing does
-
 // Tell random numbers of different uses from each other.
 constexpr uint64_t kShareSeed = 0x5741;
 constexpr uint64_t kRaceSeed = 0x5261;
@@ -25,10 +23,6 @@ bool has_mesh_that_shows_others(const Shot& shot, const Shader& shader) {
   for (uint32_t m = 0; m < shot.meshes.size(); ++m)
     if (shader.shows_others(m)) return true;
   return false;
-}
-
-bool has_still_mesh(const Shot& shot) {
-  return std::any_of(shot.meshes.begin(), shot.meshes.end(), [](const Mesh& mesh) { return mesh.is_static(); });
 }
 
 CellPlan plan_frame_cells(const Shot& shot, const RenderParams& params, const RecordNeeds& needs,
@@ -58,20 +52,16 @@ MixedFrame::MixedFrame(ShotParts& parts, const RenderParams& render_params, cons
       scene(parts.discrete(params.discrete_keys)),
       occluder_hints(!has_still_blended(shot, context.shader)),
       tracer(parts.tracer(params.instruction_set, occluder_hints)),
-      anything_still(has_still_mesh(shot)),
-      still_layer_is_empty(!anything_still && !context.shader.has_sky()),
+      surroundings(shot, scene, context.shader, params.shading, budget),
+      still_layer_is_empty(!surroundings.still_layer),
       any_shows_others(has_mesh_that_shows_others(shot, context.shader)) {}
 
 void MixedFrame::estimate() {
   if (mask.empty() && context.needs.time != RecordNeeds::Time::segments) return;
   plan.packets = choose_packets(context, shot.projection, tracer);
   if (!automatic) return;
-  if (params.calibration) {
-    plan.prices = prices_of(*params.calibration);
-  } else {
-    plan.work = sample_ray_work(context, shot, mask, tracer, occluder_hints ? &scene : nullptr, plan.packets, shading);
-    plan.prices = estimate_prices(plan.work, anything_still, params.shading);
-  }
+  plan.work = sample_ray_work(context, shot, mask, tracer, occluder_hints ? &scene : nullptr, plan.packets, shading);
+  plan.prices = params.calibration ? prices_of(*params.calibration) : estimate_prices(plan.work, surroundings);
   plan.allotment = Allotment(budget, plan.prices);
 }
 
@@ -108,8 +98,8 @@ PixelPlan MixedFrame::plan_pixel(int x, int y) const {
   return plan.allotment.plan(speed(x, y), dither(x, y));
 }
 
-double MixedFrame::sample_price(DiscreteLayer layer) const {
-  return layer == DiscreteLayer::all ? 1 : std::clamp(plan.prices.still_ray, kLeastPrice, 1.0);
+double MixedFrame::raced_rays() const {
+  return Allotment(budget, still_layer_is_empty ? plan.prices : without_shares(plan.prices), 1, 0).mean_rays();
 }
 
 }  // namespace kairos

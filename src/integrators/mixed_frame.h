@@ -40,8 +40,8 @@ class MixedFrame {
   int strip() const { return context.exposure ? 1 : plan.packets.longest_strip(); }
   int strip(uint32_t tc_rays) const { return context.exposure ? 1 : plan.packets.strip(tc_rays); }
 
-  /// Of a discrete sample, where nothing moves and where something does.
-  double sample_price(DiscreteLayer layer) const;
+  /// How many time-continuous rays without the still layer's correction the budget is thought to buy.
+  double raced_rays() const;
 
   const Shot& shot;
   const PixelContext& context;
@@ -57,7 +57,7 @@ class MixedFrame {
   const DiscreteScene& scene;
   const bool occluder_hints;  ///< are still rays traced first, as occluder hints?
   const Tracer& tracer;
-  const bool anything_still;        ///< does any mesh have a single key?
+  const Surroundings surroundings;
   const bool still_layer_is_empty;  ///< but for a background that is the same everywhere
   const bool any_shows_others;      ///< see Shader::shows_others
 

@@ -26,8 +26,12 @@ constexpr size_t kLooksPerRace = 4, kMostRaced = 512;
 /// A ray of more than so many times the pixel's budget is too dear anywhere.
 constexpr double kDearest = 2;
 
+/// All of this comes out of the picture's time, but no more than a tenth of that: the smallest pictures take longer.
+constexpr double kLeastLeft = 0.9;
+
 struct LookedAt {
   PixelLook pixel;
+  double asked = 0;  // see MixedWorker::Look
   int x = 0, y = 0;
   bool tc_possible = false;
   double still_rays = 0;  // beside time-continuous ones, as a share of the budget
@@ -43,7 +47,8 @@ std::vector<LookedAt> look(const MixedFrame& frame, size_t count, Monitor& monit
     for (size_t i = begin; i < end; ++i) {
       const auto [x, y] = places[i];
       const bool tc_possible = worker.begin_pixel(x, y, monitor).tc_rays > 0;
-      looks[i] = {worker.look_at(x, y, monitor), x, y, tc_possible};
+      const MixedWorker::Look look = worker.look_at(x, y, monitor);
+      looks[i] = {look.pixel, look.asked, x, y, tc_possible};
       if (frame.will_race && tc_possible) looks[i].still_rays = worker.still_rays_share(x, y);
     }
     const std::lock_guard<std::mutex> lock(mutex);
@@ -52,16 +57,34 @@ std::vector<LookedAt> look(const MixedFrame& frame, size_t count, Monitor& monit
   return looks;
 }
 
-/// Between the two kinds of ray. still_share: see Allotment.
-void race(MixedFrame& frame, const std::vector<LookPixel>& pixels, double still_share, Monitor& monitor) {
+/// Between the two kinds of ray. still_share: see Allotment. Returns what it took, as sample_time() counts it.
+double race(MixedFrame& frame, const std::vector<LookPixel>& pixels, double still_share, Monitor& monitor) {
   std::vector<RacedPixel> raced(pixels.size());
   parallel_for(pixels.size(), kLooksPerTask, [&](size_t begin, size_t end) {
     MixedWorker worker(frame);
     for (size_t i = begin; i < end; ++i) raced[i] = worker.race(pixels[i].x, pixels[i].y, monitor);
   });
-  Race& result =
-      frame.plan.race.emplace(frame.budget, frame.plan.prices, frame.params.calibration.has_value(), still_share);
-  for (const RacedPixel& pixel : raced) result.add(pixel);
+  Race& result = frame.plan.race.emplace(frame.budget, frame.plan.prices, frame.params.calibration.has_value(),
+                                         frame.still_layer_is_empty ? std::nullopt : std::optional(still_share));
+  double time = 0;
+  for (const RacedPixel& pixel : raced) {
+    result.add(pixel);
+    time += 2 * frame.budget * pixel.sample_time;  // each is rendered twice in each way
+    for (const RacedPixel::Rays& rays : pixel.tc) time += 2 * rays.time;
+  }
+  return time;
+}
+
+/// What looks and races took, as a share of what is asked for the whole picture.
+double share_of_time(const MixedFrame& frame, const std::vector<LookedAt>& looks, double races) {
+  double looked = 0, asked = 0;
+  for (const LookedAt& look : looks) {
+    looked += first_samples(frame.budget) * look.pixel.price;
+    asked += frame.budget * look.asked;
+  }
+  const Projection& projection = frame.shot.projection;
+  const double pixels = static_cast<double>(projection.width) * static_cast<double>(projection.height);
+  return asked > 0 ? (looked + races) / (asked / static_cast<double>(looks.size()) * pixels) : 0;
 }
 
 /// Which pixels get time-continuous rays.
@@ -79,6 +102,7 @@ void allot(MixedFrame& frame, const std::vector<LookedAt>& looks, Monitor& monit
   const double still_share = frame.will_race && !rivals.empty() ? still_rays / static_cast<double>(rivals.size()) : 1;
   frame.plan.allotment = Allotment(frame.budget, frame.plan.prices, gain, still_share);
   frame.will_race = frame.will_race && !rivals.empty();
+  double races = 0;
   if (frame.will_race) {
     const size_t seats = std::min(kMostRaced, looks.size() / kLooksPerRace);
     const size_t step = (rivals.size() + seats - 1) / seats;
@@ -87,23 +111,20 @@ void allot(MixedFrame& frame, const std::vector<LookedAt>& looks, Monitor& monit
     for (const LookedAt& look : looks)
       if (look.tc_possible && possible++ % step == 0) racing.push_back({look.x, look.y});
     if (spreads) frame.plan.spread.emplace(first, most, frame.budget, rivals);
-    race(frame, racing, still_share, monitor);
+    races = race(frame, racing, still_share, monitor);
     frame.will_race = false;
   }
-  // What exact shadows cost is taken from the samples.
-  const auto sample_alone = [&](const LookedAt& look) {
-    return frame.sample_price(frame.mask.moves(look.x, look.y) ? DiscreteLayer::all : DiscreteLayer::still);
-  };
+  const double left = std::max(kLeastLeft, 1 - share_of_time(frame, looks, races));
   if (!frame.plan.race) {
     std::vector<PixelLook> discrete;
-    double price = 0, alone = 0;
+    double price = 0, asked = 0;
     for (const LookedAt& look : looks)
       if (!look.tc_possible || frame.plan_pixel(look.x, look.y).tc_rays == 0) {
         discrete.push_back(look.pixel);
         price += look.pixel.price;
-        alone += sample_alone(look);
+        asked += left * look.asked;
       }
-    if (spreads && price > 0) frame.plan.spread = spread_rest(frame.budget, frame.budget * alone / price, discrete);
+    if (spreads && price > 0) frame.plan.spread = spread_rest(frame.budget, frame.budget * asked / price, discrete);
     return;
   }
   Race& decided = *frame.plan.race;
@@ -115,7 +136,7 @@ void allot(MixedFrame& frame, const std::vector<LookedAt>& looks, Monitor& monit
   std::vector<Contestant> contestants;
   for (const LookedAt& look : looks)
     contestants.push_back(
-        {look.pixel, look.tc_possible ? std::optional(frame.speed(look.x, look.y)) : std::nullopt, sample_alone(look)});
+        {look.pixel, look.tc_possible ? std::optional(frame.speed(look.x, look.y)) : std::nullopt, left * look.asked});
   frame.plan.spread = split_time(decided, frame.budget, raced > 0 ? decided.discrete_error() / raced : 0, contestants);
 }
 

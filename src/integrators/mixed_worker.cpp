@@ -18,6 +18,16 @@ double squared_error(const std::array<Vec3f, 2>& pair) {
   return sum;
 }
 
+TraceCounters since(const TraceCounters& before, TraceCounters now) {
+  now.rays -= before.rays;
+  now.nodes -= before.nodes;
+  now.triangles -= before.triangles;
+  now.root_solves -= before.root_solves;
+  now.hits -= before.hits;
+  now.segments -= before.segments;
+  return now;
+}
+
 }  // namespace
 
 MixedWorker::MixedWorker(const MixedFrame& frame, LookUps* look_ups)
@@ -85,25 +95,45 @@ PixelPlan MixedWorker::begin_pixel(int x, int y, Monitor& monitor) {
   return plan;
 }
 
-PixelLook MixedWorker::look_at(int x, int y, Monitor& monitor) {
-  const DiscreteLayer layer = frame_.mask.moves(x, y) ? DiscreteLayer::all : DiscreteLayer::still;
+MixedWorker::Look MixedWorker::look_at(int x, int y, Monitor& monitor) {
+  constexpr uint32_t kRays = 2;  // that say what a sample passes
+  const bool moves = frame_.mask.moves(x, y);
   const Sampler::Pixel pixel = context_.sampler.pixel(x, y);
   const uint32_t first = first_samples(frame_.budget);
+  SampleWork work;
+  if (moves) {
+    here_->align = {};
+    here_->still_layer.begin_pixel(x, y, pixel, here_->align);
+    work = find_sample_work(x, y, pixel, kRays, monitor);
+  }
   record_.begin_pixel(x, y, context_.background);
   contrast_.begin_pixel();
-  double price = frame_.sample_price(layer);
-  if (resting_ && layer == DiscreteLayer::still) {
+  double shadows = 0;
+  std::span<const PixelRay> rays;
+  if (resting_ && !moves) {
     here_->still_layer.begin_pixel(x, y, pixel, {});
     here_->still_layer.add_rays(0, first, resting_->shadows(), resting_->mirrors(), monitor, record_);
-    contrast_.add(record_, record_.still_rays());
+    rays = record_.still_rays();
+    contrast_.add(record_, rays);
     const double before = resting_->time();
     resting_->add_exact(here_->still_layer, exact_rays(first), {}, record_);
-    price *= 1 + (resting_->time() - before) / (first * lit_sample_time(frame_.shot, frame_.params.shading));
+    shadows = (resting_->time() - before) / first;
   } else {
-    samples_.take(x, y, pixel, 0, first, layer, record_, monitor);
+    samples_.take(x, y, pixel, 0, first, moves ? DiscreteLayer::all : DiscreteLayer::still, record_, monitor);
+    rays = record_.rays();
     contrast_.add(record_, 0);
   }
-  return {contrast_.square(), price};
+  work.seen = work.others = 0;
+  for (const PixelRay& ray : rays.first(first)) {
+    const uint32_t mesh = ray.parts > 0 ? record_.parts()[ray.first_part].where.mesh : kNoMesh;
+    work.seen += mesh != kNoMesh;
+    work.others += mesh != kNoMesh && context_.shader.shows_others(mesh);
+  }
+  work.seen /= first;
+  work.others /= first;
+  const Surroundings& around = frame_.surroundings;
+  if (moves) return {{contrast_.square(), sample_time(work, around)}, sample_time(work, around)};
+  return {{contrast_.square(), resting_sample_time(work, around) + shadows}, idle_sample_time(work, around)};
 }
 
 double MixedWorker::still_rays_share(int x, int y) {
@@ -113,42 +143,49 @@ double MixedWorker::still_rays_share(int x, int y) {
 }
 
 RacedPixel MixedWorker::race(int x, int y, Monitor& monitor) {
-  const PixelPlan plan = frame_.plan.allotment.plan_over_time(dither(x, y));
   here_->shares.reset();
-  const ShadingKind shading = frame_.params.shading;
-  const auto tc_time = [&] {  // of all rays so far
-    const TraceCounters& counters = workspace_.counters();
-    return static_cast<double>(counters.rays) * tc_ray_time({counters, shading_.evaluations(), layers_}, shading);
-  };
+  const Surroundings& around = frame_.surroundings;
   RacedPixel result;
   result.speed = frame_.speed(x, y);
-  result.tc[0].count = plan.tc_rays;
-  result.tc[1].count = std::min(4 * plan.tc_rays, context_.sampler.count());
-  std::array<std::array<Vec3f, 2>, 3> seen;  // [way]: with discrete samples and with either number of rays
+  const auto counts = raced_counts(frame_.raced_rays(), context_.sampler.count());
+  for (size_t i = 0; i < counts.size(); ++i) result.tc[i].count = counts[i];
+  using Pair = std::array<Vec3f, 2>;
+  Pair discrete;
+  std::array<std::array<Pair, 2>, counts.size()> seen;  // [number of rays][corrected?]
   for (size_t half = 0; half < 2; ++half) {
     const Sampler::Pixel pixel = frame_.race_points[half].pixel(x, y);
     const auto begin = [&] { record_.begin_pixel(x, y, context_.background, context_.times(x, y).window()); };
     here_->align = align_points(frame_.mask, x, y);
     here_->still_layer.begin_pixel(x, y, pixel, here_->align);
     for (size_t i = 0; i < result.tc.size(); ++i) {
+      if (result.tc[i].count == 0) continue;
       begin();
-      const double before = tc_time();
-      render_moving(x, y, pixel, {result.tc[i].count, plan.discrete}, false, monitor);
-      result.tc[i].time += (tc_time() - before) / 2;
-      seen[i + 1][half] = reduce(record_.finish(), {}, false).colour;
+      const uint32_t count = result.tc[i].count;
+      const TraceCounters before = workspace_.counters();
+      const uint64_t evaluations = shading_.evaluations(), layers = layers_;
+      render_moving(x, y, pixel, {count, frame_.budget}, false, monitor);
+      const RayWork work(since(before, workspace_.counters()), shading_.evaluations() - evaluations, layers_ - layers,
+                         frame_.plan.packets.together(count), count);
+      result.tc[i].time += count * tc_ray_time(work, around) / 2;
+      PixelRecord record = record_.finish();
+      seen[i][1][half] = reduce(record, {}, false).colour;
+      record.still = {};
+      seen[i][0][half] = reduce(record, {}, false).colour;
     }
-    result.sample_time += find_sample_time(x, y, pixel, monitor) / 2;
+    constexpr uint32_t kRays = 4;
+    result.sample_time += sample_time(find_sample_work(x, y, pixel, kRays, monitor), around) / 2;
     begin();
     render_discrete(x, y, pixel, DiscreteLayer::all, monitor);
-    seen[0][half] = reduce(record_.finish(), {}, false).colour;
+    discrete[half] = reduce(record_.finish(), {}, false).colour;
   }
-  result.discrete_error = squared_error(seen[0]);
+  result.discrete_error = squared_error(discrete);
   for (size_t i = 0; i < result.tc.size(); ++i) {
-    result.tc[i].error = squared_error(seen[i + 1]);
+    RacedPixel::Rays& rays = result.tc[i];
+    if (rays.count == 0) continue;
+    for (size_t way = 0; way < rays.error.size(); ++way) rays.error[way] = squared_error(seen[i][way]);
     // They were traced by themselves.
-    result.tc[i].time *= strip_share(frame_.plan.work, shading, result.tc[i].count);
-    if (frame_.anything_still)
-      result.tc[i].time += result.tc[i].count * still_sample_time(shading) + kShareRays * result.sample_time;
+    rays.time *= strip_share(frame_.plan.work, around, rays.count);
+    if (around.anything_still) rays.time += rays.count * resting_sample_time({}, around);
   }
   return result;
 }
@@ -322,7 +359,7 @@ void MixedWorker::render_moving(int x, int y, const Sampler::Pixel& pixel, const
       first = ends_[i];
     }
   }
-  if (!frame_.still_layer_is_empty) add_still_term(x, y, plan, monitor);
+  if (!frame_.still_layer_is_empty && plan.discrete > 0) add_still_term(x, y, plan, monitor);
 }
 
 void MixedWorker::add_still_term(int x, int y, const PixelPlan& plan, Monitor& monitor) {
@@ -335,24 +372,20 @@ void MixedWorker::add_still_term(int x, int y, const PixelPlan& plan, Monitor& m
 }
 
 /// Of a discrete sample of everything, by what rays pass that look for a moment only.
-double MixedWorker::find_sample_time(int x, int y, const Sampler::Pixel& pixel, Monitor& monitor) {
-  constexpr uint32_t kMostRays = 4;
-  const uint32_t count = std::min(kMostRays, context_.sampler.count());
+SampleWork MixedWorker::find_sample_work(int x, int y, const Sampler::Pixel& pixel, uint32_t rays, Monitor& monitor) {
+  const uint32_t count = std::min(rays, context_.sampler.count());
   std::span<const Segment> hints;
   if (frame_.occluder_hints) hints = here_->still_layer.occluder_hints(0, count, monitor);
-  const auto time = [&] {  // of all rays so far
-    const TraceCounters& counters = instants_.counters();
-    return static_cast<double>(counters.rays) *
-           sample_time({counters, 0, 0}, frame_.plan.work.placed, frame_.anything_still, frame_.params.shading);
-  };
-  const double before = time();
+  const TraceCounters before = instants_.counters();
   for (uint32_t i = 0; i < count; ++i) {
     const Ray ray = context_.ray(x, y, here_->align(context_.sampler.point(pixel, i)));
-    const auto instant = static_cast<uint32_t>(pixel.seed + uint64_t{i} * (kInstants / kMostRays));
+    const auto instant = static_cast<uint32_t>(pixel.seed + uint64_t{i} * (kInstants / rays));
     frame_.tracer.trace_packet({&ray, 1}, Visibility::visible, instants_, hints.empty() ? hints : hints.subspan(i, 1),
                                false, instant_limits(instant));
   }
-  return (time() - before) / count;
+  SampleWork work = frame_.plan.work.sample;
+  work.instant = RayWork(since(before, instants_.counters()), 0, 0);
+  return work;
 }
 
 /// What is seen in mirrors and behind glass has noise of its own, which is the less the more places in the pixel there

@@ -37,7 +37,11 @@ class MixedWorker : public Integrator::Worker {
   /// What the pixel gets.
   PixelPlan begin_pixel(int x, int y, Monitor& monitor);
   /// What a pixel's first samples say.
-  PixelLook look_at(int x, int y, Monitor& monitor);
+  struct Look {
+    PixelLook pixel;   ///< its price in nanoseconds, as those of sample_time()
+    double asked = 0;  ///< what a sample of everything takes, whether or not anything moves
+  };
+  Look look_at(int x, int y, Monitor& monitor);
   /// How many still rays a pixel takes beside time-continuous ones, as a share of the budget.
   double still_rays_share(int x, int y);
 
@@ -86,7 +90,7 @@ class MixedWorker : public Integrator::Worker {
   RowPacket::Rays trace_in_strip(int x, int y, Monitor& monitor);
   void add_still_term(int x, int y, const PixelPlan& plan, Monitor& monitor);
   const Shares& shares_of(int x, int y);
-  double find_sample_time(int x, int y, const Sampler::Pixel& pixel, Monitor& monitor);
+  SampleWork find_sample_work(int x, int y, const Sampler::Pixel& pixel, uint32_t rays, Monitor& monitor);
 
   const MixedFrame& frame_;
   const PixelContext& context_;

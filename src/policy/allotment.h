@@ -52,9 +52,11 @@ inline double dither(int x, int y) {
 class Allotment {
  public:
   /// discrete_gain: discrete samples go where they are needed, and are so many times as good for it. still_share: how
-  /// many still rays a pixel takes beside time-continuous ones, in the mean, as a share of the budget.
-  Allotment(uint32_t budget, const RayPrices& prices, double discrete_gain = 1, double still_share = 1)
-      : budget_(budget) {
+  /// many still rays a pixel takes beside time-continuous ones, in the mean, as a share of the budget. corrected: do
+  /// pixels with time-continuous rays get any?
+  Allotment(uint32_t budget, const RayPrices& prices, double discrete_gain = 1, double still_share = 1,
+            bool corrected = true)
+      : budget_(budget), corrected_(corrected) {
     const double samples = budget, time = samples - samples * still_share * prices.still_ray;
     const auto cost = [&](double rays) { return rays * tc_ray_price(prices, rays); };
     if (!(cost(1) <= kMostOver * time)) return;
@@ -62,6 +64,7 @@ class Allotment {
     while (2 * low_ <= budget && cost(2.0 * low_) <= kMostOver * time) low_ *= 2;
     const double more = 2 * low_ <= budget ? cost(2.0 * low_) - cost(low_) : 0;
     share_ = more > 0 ? std::clamp((time - cost(low_)) / more, 0.0, 1.0) : 0;  // with twice as many
+    mean_cost_ = cost(low_) + share_ * more + samples - time;
     // Errors add up, and are one over what rays are worth: that has one value for all slow motion, and at kSlowest and
     // kFastest the ends of a straight line.
     const auto worth_at = [&](double speed) {
@@ -80,17 +83,22 @@ class Allotment {
   bool buys_tc() const { return low_ > 0; }
   /// Time-continuous rays of a pixel that gets any, in the mean.
   double mean_rays() const { return low_ * (1 + share_); }
+  /// What these and the still rays beside them take, in samples: not always the budget.
+  double mean_cost() const { return mean_cost_; }
   /// speed: pixels while the shutter is open. chance: of the pixel, in [0, 1).
   PixelPlan plan(double speed, double chance) const {
     if (speed < least_speed_) return {0, budget_};
     return plan_over_time(chance);
   }
   /// The same where there must be time-continuous rays, be they worth it or not.
-  PixelPlan plan_over_time(double chance) const { return {std::max(1u, chance < share_ ? 2 * low_ : low_), budget_}; }
+  PixelPlan plan_over_time(double chance) const {
+    return {std::max(1u, chance < share_ ? 2 * low_ : low_), corrected_ ? budget_ : 0};
+  }
 
  private:
   uint32_t budget_, low_ = 0;
-  double share_ = 0;
+  bool corrected_;
+  double share_ = 0, mean_cost_ = 0;
   double least_speed_ = std::numeric_limits<double>::infinity();  // at which time-continuous rays are chosen
 };
 

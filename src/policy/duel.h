@@ -34,15 +34,16 @@ class Duel {
     const double squared_leads = scale_theirs * scale_theirs * squares_theirs_ -
                                  2 * scale_theirs * scale_ours * products_ + scale_ours * scale_ours * squares_ours_;
     const double variance = squared_leads - lead * lead / static_cast<double>(pixels_);
-    return ours < kClearly * theirs && lead > kDeviations * std::sqrt(std::max(variance, 0.0));
+    const double deviations = kDeviations + kOfOnePixel / static_cast<double>(pixels_);
+    return ours < kClearly * theirs && lead > deviations * std::sqrt(std::max(variance, 0.0));
   }
 
  private:
   /// A few hundred pixels tell errors to 0.7 dB.
   static constexpr double kClearly = 0.85;
   /// Where a few pixels make most of the error, those that were looked at may be without them: a lead has to be that
-  /// much above its own standard error.
-  static constexpr double kDeviations = 2.5;
+  /// much above its own standard error, and more where it is known from few pixels.
+  static constexpr double kDeviations = 1.5, kOfOnePixel = 40;
 
   size_t pixels_ = 0;
   double ours_ = 0, theirs_ = 0;  // sums

@@ -13,6 +13,7 @@
 
 #include "base/parallel.h"
 #include "discrete/occluder_hint.h"
+#include "policy/shadow_prices.h"
 #include "shading/packet_shading.h"
 
 namespace kairos {
@@ -21,28 +22,23 @@ namespace {
 
 // Nanoseconds on one thread of an AMD EPYC (Zen 4) with AVX-512; only their ratios matter. What bench/fit_prices.py
 // finds in docs/results/prices.csv. Of a time-continuous ray, see TraceCounters:
-constexpr double kRay = 200, kNode = 89, kTriangle = 34, kSolve = 6.4, kHit = 0.1, kSegment = 130;
-constexpr double kEvaluation = 60;  // finding out where to shade, shading with normals, and adding up
-constexpr double kLayer = 2200;     // of a segment of a blended surface, besides: what is seen through what
-// Of a discrete ray, and of what it would pass on its way at one instant:
-constexpr double kSample = 79, kInstantNode = 5, kInstantTriangle = 8.6, kInstantHit = 43;
+constexpr double kRay = 180, kNode = 74, kTriangle = 33, kSolve = 7.4, kHit = 39, kSegment = 0.23;
+// Of the time of a node, a triangle and a solve, for rays that are not fresh: see RayWork.
+constexpr double kAgain = 0.62;
+constexpr double kEvaluation = 140;  // finding out where to shade, shading with normals, and adding up
+constexpr double kLayer = 1700;      // of a segment of a blended surface, besides: what is seen through what
+// Of a discrete sample, and of what it would pass of what moves on its way at one instant:
+constexpr double kSample = 55, kSeen = 100;  // where anything is seen: shading with normals
+constexpr double kStill = 0.1;               // asking for what stands still, where anything does
+constexpr double kIdle = 18;                 // asking in vain for what moves, of each tree
+constexpr double kMoving = 37, kInstantNode = 0.1, kInstantTriangle = 8.3, kInstantHit = 36;
 // How much cheaper it passes instances, whose shapes themselves do not move: of the time of the last three.
-constexpr double kPlaced = 0.7;
-constexpr double kStill = 79;  // of a discrete ray to what stands still
+constexpr double kPlaced = 0.65;
+constexpr double kFirst = 1.8;  // by which the first of a pixel's samples is dearer: so many samples
+/// Of the light of what shows others, as a multiple of that of other surfaces.
+constexpr double kOthers = 3;
 
 constexpr double kShadowNode = 20, kShadowTriangle = 15, kShadowHit = 90;  // of a ray to a light
-
-/// Of an evaluation, beyond one with normals.
-double light_time(ShadingKind kind) {
-  switch (kind) {
-    case ShadingKind::whitted:
-      return 1240;
-    case ShadingKind::path:
-      return 4940;
-    default:
-      return 0;
-  }
-}
 
 // Nanoseconds that a ray may take; a clock that says anything else is broken.
 constexpr double kLeastTime = 1e-3, kMostTime = 1e9;
@@ -54,7 +50,8 @@ constexpr uint32_t kTries = kLeastLookPixels;  // at most, to find pixels in whi
 
 }  // namespace
 
-RayWork::RayWork(const TraceCounters& counters, uint64_t evaluation_count, uint64_t layer_count) {
+RayWork::RayWork(const TraceCounters& counters, uint64_t evaluation_count, uint64_t layer_count, bool together,
+                 uint32_t in_pixel) {
   if (counters.rays == 0) return;
   const auto mean = [&](uint64_t value) { return static_cast<double>(value) / static_cast<double>(counters.rays); };
   nodes = mean(counters.nodes);
@@ -64,6 +61,7 @@ RayWork::RayWork(const TraceCounters& counters, uint64_t evaluation_count, uint6
   segments = mean(counters.segments);
   evaluations = mean(evaluation_count);
   layers = mean(layer_count);
+  fresh = together ? 1 : 1.0 / in_pixel;
 }
 
 WorkSample sample_ray_work(const PixelContext& context, const Shot& shot, const MotionMask& mask, const Tracer& tracer,
@@ -79,12 +77,13 @@ WorkSample sample_ray_work(const PixelContext& context, const Shot& shot, const 
   std::array<uint64_t, kCounts.size()> evaluations{}, layers{};  // of the rays alone
   TraceCounters instant;
   uint64_t placed = 0;  // segments
-  std::mutex mutex;     // of these sums
+  uint64_t seen_rays = 0;
+  std::mutex mutex;  // of these sums
   parallel_for(pixels.size(), kPixelsPerTask, [&](size_t begin, size_t end) {
     std::array<Tracer::Workspace, kCounts.size()> strips, workspaces;
     Tracer::Workspace instants;
     std::array<uint64_t, kCounts.size()> layers_here{};
-    uint64_t placed_here = 0;
+    uint64_t placed_here = 0, seen_here = 0;
     std::array<PacketShading, kCounts.size()> shadings{PacketShading(context.shader, options),
                                                        PacketShading(context.shader, options),
                                                        PacketShading(context.shader, options)};
@@ -134,6 +133,8 @@ WorkSample sample_ray_work(const PixelContext& context, const Shot& shot, const 
       for (uint32_t k = 0; k < kInstants; ++k) {
         const auto seen = tracer.trace_packet(std::span(rays).subspan(k, 1), Visibility::visible, instants,
                                               hints_of(k, 1), false, instant_limits(k));
+        seen_here += !seen.front().segments.empty() || !seen.front().blended.empty() ||
+                     (hints != nullptr && still[k].has_value());
         for (const Segment& segment : seen.front().segments) placed_here += shot.meshes[segment.mesh].object != nullptr;
       }
     }
@@ -146,17 +147,20 @@ WorkSample sample_ray_work(const PixelContext& context, const Shot& shot, const 
     }
     instant += instants.counters();
     placed += placed_here;
+    seen_rays += seen_here;
   });
   WorkSample sum;
   for (size_t n = 0; n < kCounts.size(); ++n) {
-    sum.tc[n] = sum.alone[n] = RayWork(alone[n], evaluations[n], layers[n]);
+    const auto count = static_cast<uint32_t>(kCounts[n]);
+    sum.tc[n] = sum.alone[n] = RayWork(alone[n], evaluations[n], layers[n], packets.together(count), count);
     if (together[n].rays == 0) continue;
     sum.tc[n] = RayWork(together[n], 0, 0);
     sum.tc[n].evaluations = sum.alone[n].evaluations;
     sum.tc[n].layers = sum.alone[n].layers;
   }
-  sum.instant = RayWork(instant, 0, 0);
-  if (instant.segments > 0) sum.placed = static_cast<double>(placed) / static_cast<double>(instant.segments);
+  sum.sample.instant = RayWork(instant, 0, 0);
+  if (instant.rays > 0) sum.sample.seen = static_cast<double>(seen_rays) / static_cast<double>(instant.rays);
+  if (instant.segments > 0) sum.sample.placed = static_cast<double>(placed) / static_cast<double>(instant.segments);
   return sum;
 }
 
@@ -164,35 +168,75 @@ double tracing_time(double nodes, double triangles, double hits) {
   return kShadowNode * nodes + kShadowTriangle * triangles + kShadowHit * hits;
 }
 
-double tc_ray_time(const RayWork& work, ShadingKind shading) {
-  return kRay + kNode * work.nodes + kTriangle * work.triangles + kSolve * work.root_solves + kHit * work.hits +
-         kSegment * work.segments + (kEvaluation + light_time(shading)) * work.evaluations + kLayer * work.layers;
+Surroundings::Surroundings(const Shot& shot, const DiscreteScene& scene, const Shader& shader, ShadingKind shading,
+                           uint32_t samples_in_pixel)
+    : anything_still(std::any_of(shot.meshes.begin(), shot.meshes.end(), [](const Mesh& m) { return m.is_static(); })),
+      still_layer(anything_still || shader.has_sky()),
+      moving_trees(scene.stats().trees - (anything_still ? 1 : 0)),
+      light(is_lit(shading) ? lit_sample_time(shot, shading) : 0),
+      samples(samples_in_pixel) {}
+
+double tc_ray_time(const RayWork& work, const Surroundings& around) {
+  const double tracing = kNode * work.nodes + kTriangle * work.triangles + kSolve * work.root_solves;
+  return kRay + tracing * (work.fresh + (1 - work.fresh) * kAgain) + kHit * work.hits + kSegment * work.segments +
+         (kEvaluation + around.light) * work.evaluations + kLayer * work.layers;
 }
 
-double strip_share(const WorkSample& work, ShadingKind shading, uint32_t rays) {
+double strip_share(const WorkSample& work, const Surroundings& around, uint32_t rays) {
   size_t i = 0;  // what has so many rays or more in a pixel
   while (i + 1 < work.tc.size() && static_cast<uint32_t>(Calibration::kRays[i]) < rays) ++i;
-  return tc_ray_time(work.tc[i], shading) / tc_ray_time(work.alone[i], shading);
+  return tc_ray_time(work.tc[i], around) / tc_ray_time(work.alone[i], around);
 }
 
-double sample_time(const RayWork& instant, double placed, bool anything_still, ShadingKind shading) {
+namespace {
+
+/// A sample of the pixel, in the mean, of one that others have gone before.
+double with_first(double sample, const Surroundings& around) { return sample * (1 + kFirst / around.samples); }
+
+double later_resting_sample(const SampleWork& work, const Surroundings& around) {
+  const double light = around.light * (1 + (kOthers - 1) * work.others);
+  return kSample + (around.anything_still ? kStill : 0) + work.seen * (kSeen + light);
+}
+
+}  // namespace
+
+double resting_sample_time(const SampleWork& work, const Surroundings& around) {
+  return with_first(later_resting_sample(work, around), around);
+}
+
+double idle_sample_time(const SampleWork& work, const Surroundings& around) {
+  return with_first(later_resting_sample(work, around) + kIdle * static_cast<double>(around.moving_trees), around);
+}
+
+double sample_time(const SampleWork& work, const Surroundings& around) {
+  const RayWork& instant = work.instant;
   const double passed =
       kInstantNode * instant.nodes + kInstantTriangle * instant.triangles + kInstantHit * instant.hits;
-  return kSample + (anything_still ? kStill : 0) + passed * (1 - placed + placed * kPlaced) + light_time(shading);
+  return with_first(later_resting_sample(work, around) + kMoving * static_cast<double>(around.moving_trees) +
+                        passed * (1 - work.placed + work.placed * kPlaced),
+                    around);
 }
 
-double still_sample_time(ShadingKind shading) { return kStill + light_time(shading); }
-
-RayPrices estimate_prices(const WorkSample& work, bool anything_still, ShadingKind shading) {
-  if (work.instant.nodes + work.instant.triangles + work.tc.back().evaluations == 0) return {};  // nothing is known
-  const double sample = sample_time(work.instant, work.placed, anything_still, shading),
-               still = still_sample_time(shading);
+RayPrices estimate_prices(const WorkSample& work, const Surroundings& around) {
+  const RayWork& instant = work.sample.instant;
+  if (instant.nodes + instant.triangles + work.tc.back().evaluations == 0) return {};  // nothing is known
+  const double sample = sample_time(work.sample, around), still = resting_sample_time({}, around);
   RayPrices prices;
   for (size_t i = 0; i < prices.tc_ray.size(); ++i) {
-    prices.tc_ray[i] = tc_ray_time(work.tc[i], shading) / sample;
-    if (anything_still) prices.tc_ray[i] += still / sample + static_cast<double>(kShareRays) / Calibration::kRays[i];
+    prices.tc_ray[i] = tc_ray_time(work.tc[i], around) / sample;
+    if (around.anything_still) prices.tc_ray[i] += still / sample;
+    if (around.still_layer) prices.tc_ray[i] += static_cast<double>(kShareRays) / Calibration::kRays[i];
   }
-  prices.still_ray = anything_still ? std::min(1.0, still / sample) : 0;
+  prices.still_ray = around.still_layer ? std::min(1.0, still / sample) : 0;
+  return prices;
+}
+
+RayPrices without_shares(RayPrices prices) {
+  constexpr double kLeast = 0.2;  // of a price that somebody has measured
+  for (size_t i = 0; i < prices.tc_ray.size(); ++i) {
+    double& price = prices.tc_ray[i];
+    price = std::max(kLeast * price, price - static_cast<double>(kShareRays) / Calibration::kRays[i]);
+  }
   return prices;
 }
 

@@ -49,17 +49,23 @@ class SampleSpread {
     double budget = 0;
     for (const PixelLook& look : looks) budget += look.price * mean;
     const auto cost = [&](double scale) {
+      scale_ = scale;
       double sum = 0;
-      for (const PixelLook& look : looks)
-        sum += look.price *
-               (first + kDearer * (std::clamp<double>(wanted(look.contrast_square, scale), first, most) - first));
+      const double usual = 2.0 * first;
+      for (const PixelLook& look : looks) {
+        const double samples = count(look.contrast_square), more = std::max(0.0, samples - usual);
+        // Up to the usual number, which most get, all have a share: else they would lose half if it were a bit too
+        // much.
+        const double up_to_usual = std::clamp<double>(wanted(look.contrast_square, scale), first, usual);
+        sum += look.price * (up_to_usual + kMore * more);
+      }
       return sum;
     };
     // From nothing for anybody to all for the least contrast that a display shows.
     double low = 0, high = most * std::pow(kLeastContrast * kLeastContrast, -kExponent);
     for (int i = 0; i < kHalvings; ++i) {
       const double middle = (low + high) / 2;
-      (cost(middle) < budget ? low : high) = middle;
+      (cost(middle) <= budget * (1 + kRounding) ? low : high) = middle;
     }
     scale_ = low;
   }
@@ -97,8 +103,9 @@ class SampleSpread {
   /// The squared error of n Owen-Sobol' samples of an edge with the contrast c is about c^2 n^-1.5. The sum of that
   /// over the picture, for a given sum of n, is least where n goes with (c^2)^0.4.
   static constexpr double kErrorExponent = 1.5, kExponent = 1 / (1 + kErrorExponent);
-  /// Rays where things meet cost more than those to the middle of a wall (hall, fan: 1.2 to 1.3 times).
-  static constexpr double kDearer = 1.25;
+  /// Contrasts grow as samples are added, so that pixels that get more than usual get more than their first ones said.
+  static constexpr double kMore = 1.25;
+  static constexpr double kRounding = 1e-9;
   /// On the foliage, where all pixels are alike, rounding to the nearest power of two loses 0.5 dB; on the hall these
   /// are within 0.2 dB of the best.
   static constexpr double kClearlyLess = 0.25, kClearlyMore = 1.5;

@@ -15,12 +15,14 @@ namespace kairos {
 struct Contestant {
   PixelLook look;
   std::optional<double> speed;  ///< as RacedPixel's; unset: it cannot get time-continuous rays
-  double price = 1;             ///< as the look's, of a sample alone: what else comes with it is taken from its number
+  /// What is to be spent in the mean over all pixels is the budget times this, in units of the look's price: what a
+  /// sample of everything takes there.
+  double asked = 1;
 };
 
-/// Takes from each of the race's classes of speed, and gives to others, so much time that the estimated sum of squared
-/// errors over these pixels is least, if it is clearly less than with the same time for all: they take that of `budget`
-/// samples in the mean. error_scale: from SampleSpread::error() to squared errors, of pixels that were not raced.
+/// Finds, for each of the race's classes of speed, the number of time-continuous rays or discrete samples alone, such
+/// that the estimated sum of squared errors over these pixels is least, if it is clearly less than with the same time
+/// for all. error_scale: from SampleSpread::error() to squared errors, of pixels that were not raced.
 ///
 /// Tells the race, and returns the rule for pixels with discrete samples alone; unset: too few to say, they get
 /// `budget`.

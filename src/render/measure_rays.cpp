@@ -23,9 +23,9 @@ constexpr int kStretch = PacketChoice::kLongestStrip;
 constexpr size_t kStretches = 64;            // to be measured
 constexpr uint32_t kTries = 4 * kStretches;  // at most, to find stretches in which something moves
 constexpr size_t kWays = 3 + Calibration::kRays.size();
-constexpr int kRounds = static_cast<int>(kMeasuringSteps / kWays) - 1;  // of which medians are taken, after a first one
-constexpr double kShortest = 2e-3;                                      // seconds: clocks tick
-constexpr int kDiscreteSamples = 64, kFewStillRays = 4;                 // in a pixel
+constexpr int kRounds = static_cast<int>(kMeasuringSteps / kWays);
+constexpr double kShortest = 2e-3;                       // seconds: clocks tick
+constexpr int kDiscreteSamples = 64, kFewStillRays = 4;  // in a pixel
 
 /// Processor time of this thread.
 double thread_seconds() {
@@ -41,15 +41,15 @@ double median(std::vector<double> values) {
 
 using PixelPlaces = std::vector<std::pair<int, int>>;
 
-/// Pixels in which something moves, spread over a part of the frame.
-PixelPlaces moving_pixels(const MotionMask& mask, const Crop& part) {
+/// Pixels in which something moves, or those in which nothing does, spread over a part of the frame.
+PixelPlaces find_pixels(const MotionMask& mask, const Crop& part, bool moving) {
   const int width = part.x1 - part.x0, height = part.y1 - part.y0;
   PixelPlaces pixels;
   const Sampler places(SamplerKind::owen_sobol, kTries, 0);
   const auto add_stretch = [&](int x0, int y) {
     const int left = std::max(part.x0, x0 - x0 % kStretch);
     for (int x = left; x < std::min(x0 - x0 % kStretch + kStretch, part.x1); ++x)
-      if (mask.moves(x, y)) pixels.emplace_back(x, y);
+      if (mask.moves(x, y) == moving) pixels.emplace_back(x, y);
   };
   for (uint32_t i = 0; i < kTries && pixels.size() < kStretches * kStretch; ++i) {
     const SamplePoint place = places.point(places.pixel(0, 0), i);
@@ -60,7 +60,7 @@ PixelPlaces moving_pixels(const MotionMask& mask, const Crop& part) {
   const size_t enough = kStretches * 4;
   for (int y = part.y0; y < part.y1 && pixels.size() < enough; ++y)
     for (int x = part.x0; x < part.x1 && pixels.size() < enough; ++x)
-      if (mask.moves(x, y)) pixels.emplace_back(x, y);
+      if (mask.moves(x, y) == moving) pixels.emplace_back(x, y);
   return pixels;
 }
 
@@ -107,52 +107,55 @@ class Way {
 
 }  // namespace
 
-Calibration measure_rays(ShotParts& parts, const RenderParams& params, Monitor& monitor) {
+std::vector<double> measure_pixels(ShotParts& parts, const RenderParams& params, std::span<const MeasuredWay> measured,
+                                   bool moving, int rounds, Monitor& monitor) {
   parts.choose_instruction_set(params.instruction_set);
   const Projection& frame = parts.shot().projection;
-  Crop part;  // the first in which anything moves: of all but huge frames the whole
+  Crop part;  // the first with any of them: of all but huge frames the whole
   PixelPlaces pixels;
   for (const Crop& band : bands_of({0, frame.width, 0, frame.height})) {
     part = band;
-    pixels = moving_pixels(parts.motion_mask(PixelFilter(params.filter).radius(), part), part);
+    pixels = find_pixels(parts.motion_mask(PixelFilter(params.filter).radius(), part), part, moving);
     if (!pixels.empty()) break;
   }
-  if (pixels.empty())
-    throw Error(ErrorCode::bad_input, "",
-                "nothing moves relative to the camera in this picture, so there are no rays to choose between; render "
-                "it without a calibration");
+  if (pixels.empty()) return {};
   const Shader& shader = parts.shader(params.shading, false, params.max_depth, params.discrete_keys,
                                       clusters_of(params) == Clusters::pixel);
-  const auto params_of = [&](IntegratorKind kind, int tc_rays, int spp) {
-    RenderParams result = params;
-    result.crop = part;
-    result.sampler = SamplerKind::owen_sobol;
-    result.integrator = kind;
-    result.tc_rays = tc_rays;
-    result.spp = spp;
-    return result;
-  };
   std::deque<Way> ways;  // they stay where they are
-  ways.emplace_back(parts, params_of(IntegratorKind::qmc, 1, kDiscreteSamples), shader, pixels);
-  for (const int spp : {kFewStillRays, kDiscreteSamples})
-    ways.emplace_back(parts, params_of(IntegratorKind::mixed, kFewStillRays, spp), shader, pixels);
-  for (const int rays : Calibration::kRays)
-    ways.emplace_back(parts, params_of(IntegratorKind::mixed, rays, rays), shader, pixels);
-
+  for (const MeasuredWay& way : measured) {
+    RenderParams own = params;
+    own.crop = part;
+    own.sampler = SamplerKind::owen_sobol;
+    own.integrator = way.integrator;
+    own.tc_rays = way.tc_rays;
+    own.spp = way.spp;
+    ways.emplace_back(parts, own, shader, pixels);
+  }
   // Interleaved: what else the machine does is to fall on all alike.
-  for (int round = 0; round <= kRounds; ++round)
+  for (int round = 0; round < rounds; ++round)
     for (Way& way : ways) {
       way.run(monitor);
       if (round == 0) way.forget();
       monitor.finish_pixel();
     }
+  std::vector<double> result;
+  for (const Way& way : ways) result.push_back(way.nanoseconds());
+  return result;
+}
 
+Calibration measure_rays(ShotParts& parts, const RenderParams& params, Monitor& monitor) {
+  std::vector<MeasuredWay> ways{{IntegratorKind::qmc, 1, kDiscreteSamples}};
+  for (const int spp : {kFewStillRays, kDiscreteSamples}) ways.push_back({IntegratorKind::mixed, kFewStillRays, spp});
+  for (const int rays : Calibration::kRays) ways.push_back({IntegratorKind::mixed, rays, rays});
+  const std::vector<double> pixel = measure_pixels(parts, params, ways, true, kRounds, monitor);
+  if (pixel.empty())
+    throw Error(ErrorCode::bad_input, "",
+                "nothing moves relative to the camera in this picture, so there are no rays to choose between; render "
+                "it without a calibration");
   Calibration result;
-  result.discrete_sample = ways[0].nanoseconds() / kDiscreteSamples;
-  const double more = ways[2].nanoseconds() - ways[1].nanoseconds();
-  result.still_ray = std::max(0.0, more / (kDiscreteSamples - kFewStillRays));
-  for (size_t i = 0; i < Calibration::kRays.size(); ++i)
-    result.tc_ray[i] = ways[3 + i].nanoseconds() / Calibration::kRays[i];
+  result.discrete_sample = pixel[0] / kDiscreteSamples;
+  result.still_ray = std::max(0.0, (pixel[2] - pixel[1]) / (kDiscreteSamples - kFewStillRays));
+  for (size_t i = 0; i < Calibration::kRays.size(); ++i) result.tc_ray[i] = pixel[3 + i] / Calibration::kRays[i];
   return result;
 }
 

@@ -25,15 +25,19 @@ std::vector<PixelLook> looks(std::initializer_list<double> contrasts) {
 /// Of samples that take 100 ns, and 8 rays that are as dear as RayPrices{} says or so many times dearer, whose squared
 /// error falls with this power of their number.
 RacedPixel raced(double speed, double tc_error, double discrete_error, double dearer = 1, double exponent = 2) {
-  constexpr uint32_t kRays = 8;
-  const double time = dearer * kRays * RayPrices{}.tc_ray[0] * 100;
-  return {speed,
-          discrete_error,
-          {{{kRays, tc_error, time}, {4 * kRays, tc_error * std::pow(4, -exponent), 4 * time}}},
-          100};
+  RacedPixel pixel;
+  pixel.speed = speed;
+  pixel.discrete_error = discrete_error;
+  pixel.sample_time = 100;
+  const auto counts = raced_counts(8, 64);
+  for (size_t i = 0; i < counts.size(); ++i) {
+    const double error = tc_error * std::pow(counts[i] / 8.0, -exponent);
+    pixel.tc[i] = {counts[i], {error, error}, dearer * counts[i] * RayPrices{}.tc_ray[0] * 100};
+  }
+  return pixel;
 }
 Race race_of(int pixels, const std::vector<RacedPixel>& each, double times = 1) {
-  Race race(64, RayPrices{}, false, 0);
+  Race race(64, RayPrices{}, false, std::nullopt);
   for (int i = 0; i < pixels; ++i)
     for (const RacedPixel& pixel : each) race.add(pixel);
   for (size_t lane = 0; lane < Race::kLanes; ++lane) race.give(lane, times);
@@ -48,7 +52,7 @@ TEST(Race, IsWonBySpeed) {
   EXPECT_NE(race.winner(2), nullptr) << "hardly seen: as the next slower ones";
   EXPECT_EQ(race.winner(9), nullptr) << "a tie";
   EXPECT_EQ(race.winner(1000), nullptr) << "never seen";
-  Race by_one(64, RayPrices{}, false, 0);
+  Race by_one(64, RayPrices{}, false, std::nullopt);
   by_one.add(raced(2, 0, 100));
   for (int i = 0; i < 100; ++i) by_one.add(raced(2, 0.1, 0.1));
   by_one.give(*by_one.lane(2), 1);
@@ -71,7 +75,7 @@ TEST(Race, GivesAsManyRaysAsWereFoundToCostTheBudget) {
   EXPECT_NEAR(rays(race_of(100, {raced(2, 2, 1, 1, 2.5)}, 4)), 32, 1e-9);
   EXPECT_EQ(rays(race_of(100, {raced(2, 0.5, 1, 1, 0.8)}, 4)), 0);
   // What was measured holds for all; counts tell where it is more and where less.
-  Race measured(64, RayPrices{}, true, 0);
+  Race measured(64, RayPrices{}, true, std::nullopt);
   for (int i = 0; i < 100; ++i) {
     measured.add(raced(2, 0.1, 1, 4));
     measured.add(raced(20, 0.1, 1, 4));
@@ -80,12 +84,37 @@ TEST(Race, GivesAsManyRaysAsWereFoundToCostTheBudget) {
   EXPECT_NEAR(rays(measured), 8, 1e-9);
 }
 
+TEST(Race, CorrectsTheStillLayerWhereThatIsWorthIt) {
+  const auto raced_both = [](double corrected_error) {
+    Race race(64, RayPrices{}, false, 0.5);
+    RacedPixel pixel = raced(2, 0.1, 1);
+    for (auto& rays : pixel.tc) rays.error[1] *= corrected_error;
+    for (int i = 0; i < 100; ++i) race.add(pixel);
+    race.give(*race.lane(2), 1);
+    return race;
+  };
+  const Race corrected = raced_both(0.01), alone = raced_both(0.9);
+  ASSERT_NE(corrected.winner(2), nullptr);
+  ASSERT_NE(alone.winner(2), nullptr);
+  EXPECT_EQ(corrected.winner(2)->plan_over_time(0).discrete, 64u);
+  EXPECT_EQ(alone.winner(2)->plan_over_time(0).discrete, 0u) << "a tenth less of error for a third of the rays";
+  EXPECT_LT(corrected.winner(2)->mean_rays(), 0.9 * alone.winner(2)->mean_rays());
+  EXPECT_NEAR(alone.tc_cost(*alone.lane(2)), 64, 1e-6);
+  // What fewer rays happened to miss counts for them, too.
+  Race missed(64, RayPrices{}, false, std::nullopt);
+  RacedPixel pixel = raced(2, 0.1, 1);
+  pixel.tc[0].error[0] = 1e-6;
+  for (int i = 0; i < 100; ++i) missed.add(pixel);
+  missed.give(*missed.lane(2), 0.25);
+  EXPECT_GT(missed.tc_error(*missed.lane(2)), 0.2);
+}
+
 /// Half of the pixels have a contrast and stand still, and in the others things move by two pixels.
-std::vector<Contestant> half_moving(double contrast_square) {
+std::vector<Contestant> half_moving(double contrast_square, int of_each = 1000) {
   std::vector<Contestant> pixels;
-  for (int i = 0; i < 100; ++i) {
-    pixels.push_back({{contrast_square, 1}, std::nullopt});
-    pixels.push_back({{contrast_square, 1}, 2.0});
+  for (int i = 0; i < of_each; ++i) {
+    pixels.push_back({{contrast_square, 1}, std::nullopt, 1});
+    pixels.push_back({{contrast_square, 1}, 2.0, 1});
   }
   return pixels;
 }
@@ -99,6 +128,10 @@ TEST(TimeSplit, GivesTimeToWhereItMakesThePictureBetter) {
   ASSERT_TRUE(rest);
   EXPECT_LE(rest->first(), 16u);
   EXPECT_GE(rest->first(), 8u);
+  // Of few pixels nobody knows that.
+  Race unsure = race_of(100, {raced(2, 0.5, 1)});
+  split_time(unsure, 64, 1e-6, half_moving(1, 101));
+  EXPECT_LT(moving_rays(unsure), 8.5);
   // The other way round, the rays get less than their share.
   Race rich = race_of(100, {raced(2, 1e-6, 1)});
   EXPECT_GE(split_time(rich, 64, 1, half_moving(1))->first(), 32u);
@@ -208,7 +241,8 @@ TEST(SampleSpread, WhatIsSavedOnCheapPixelsBuysLess) {
     return SampleSpread(32, 4096, 64, {{0, price}, {0, price}, {0, price}, {0, price}, {0, price}, {0, price}, {1, 1}})
         .count(1);
   };
-  EXPECT_EQ(count_at(1), 256u);
+  EXPECT_EQ(count_at(2), 256u);
+  EXPECT_EQ(count_at(1), 128u) << "it would get more than its first samples say";
   EXPECT_EQ(count_at(0.1), 64u);
 }
 

@@ -71,7 +71,7 @@ def check_arithmetic():
     check(aims.least([(1, 0, 2), None, (-1, -2, 0)])[0] == -1 and aims.least([None]) is None, "the least estimate")
     fitted = instances.fit(jobs.read_rows(root / "docs/results/instances.csv"))
     check(fitted == instances.committed(), f"bench/instances.py gives {fitted}, the source has {instances.committed()}")
-    prices = fit_prices.fitted(jobs.read_rows(root / "docs/results/prices.csv"))
+    prices = fit_prices.fitted(fit_prices.points_of(jobs.read_rows(root / "docs/results/prices.csv")))
     check(prices == fit_prices.committed(), f"bench/fit_prices.py gives {prices}, the source has {fit_prices.committed()}")
     check_table_of_auto()
     folder = out / "arithmetic"
