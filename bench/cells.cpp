@@ -1,10 +1,10 @@
 // What light that is shared through cells of surfaces is worth: error and time of discrete and time-continuous rays,
-// each with and without, and how much of the error is bias. One thread, processor time without what is looked at
-// beforehand; crops should have edges that are multiples of 64, since light is shared in squares of so many pixels.
+// each with and without, those of tc and auto also where `--cells auto` thinks best, and how much of the error is bias.
+// One thread, processor time without what is looked at beforehand; crops should have edges that are multiples of 64,
+// since light is shared in squares of so many pixels.
 //
 // usage: bench_cells SCENE... [--size WxH] [--crop X0,X1,Y0,Y1] [--shading NAME] [--spp A,B,...] [--tc RxN,...]
-// [--seeds N]
-//                    [--reference SPP]
+//                    [--auto A,B,...] [--seeds N] [--reference SPP]
 //
 // Prints for each picture microseconds and shading samples per pixel, its error in dB (values above 1 count as 1), the
 // gain over discrete samples without cells in the same time, on straight lines of dB over the logarithm of time, and
@@ -112,7 +112,8 @@ class Bench {
   Values halves_[2], mean_;
 };
 
-void report(Bench& bench, const std::vector<int>& budgets, const std::vector<std::string>& tc) {
+void report(Bench& bench, const std::vector<int>& budgets, const std::vector<std::string>& tc,
+            const std::vector<int>& automatic) {
   std::vector<Row> discrete, others;
   for (const int spp : budgets)
     for (const Cells cells : {Cells::off, Cells::on}) {
@@ -125,13 +126,21 @@ void report(Bench& bench, const std::vector<int>& budgets, const std::vector<std
           .push_back(bench.measure(fmt::format("qmc {}{}", spp, shared ? " cells" : ""), params));
     }
   for (const std::string& text : tc)
-    for (const Cells cells : {Cells::off, Cells::on}) {
+    for (const Cells cells : {Cells::off, Cells::automatic, Cells::on}) {
       RenderParams params = bench.params();
       params.integrator = IntegratorKind::tc;
       if (std::sscanf(text.c_str(), "%dx%d", &params.tc_rays, &params.shading_samples) != 2)
         throw Error(ErrorCode::bad_usage, "--tc", "give it as RAYSxSAMPLES");
       params.cells = cells;
-      others.push_back(bench.measure("tc " + text + (cells == Cells::on ? " cells" : ""), params));
+      others.push_back(bench.measure(fmt::format("tc {}, {}", text, to_string(cells)), params));
+    }
+  for (const int spp : automatic)
+    for (const Cells cells : {Cells::off, Cells::automatic, Cells::on}) {
+      RenderParams params = bench.params();
+      params.integrator = IntegratorKind::automatic;
+      params.spp = spp;
+      params.cells = cells;
+      others.push_back(bench.measure(fmt::format("auto {}, {}", spp, to_string(cells)), params));
     }
   fmt::print("                       us/px  samples/px      dB    gain  bias\n");
   const auto print = [&](const Row& row) {
@@ -147,13 +156,14 @@ int run(int argc, char** argv) {
   CLI::App app("What light that is shared through cells of surfaces is worth");
   const ShotChoice choice(app, "640x360");
   std::string crop, shading = "whitted";
-  std::vector<int> budgets{4, 16, 64};
+  std::vector<int> budgets{4, 16, 64}, automatic;
   std::vector<std::string> tc{"2x8", "4x8", "8x8", "16x8"};
   int seeds = 2, reference = 512;
   app.add_option("--crop", crop);
   app.add_option("--shading", shading);
   app.add_option("--spp", budgets)->delimiter(',');
   app.add_option("--tc", tc)->delimiter(',');
+  app.add_option("--auto", automatic)->delimiter(',');
   app.add_option("--seeds", seeds)->check(CLI::Range(2, 1000));
   app.add_option("--reference", reference)->check(CLI::Range(1, 1 << 16));
   CLI11_PARSE(app, argc, argv);
@@ -167,7 +177,7 @@ int run(int argc, char** argv) {
       throw Error(ErrorCode::bad_usage, "--crop", "give it as X0,X1,Y0,Y1");
   }
   Bench bench(shot, params, seeds, reference);
-  report(bench, budgets, tc);
+  report(bench, budgets, tc, automatic);
   return 0;
 }
 

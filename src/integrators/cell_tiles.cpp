@@ -1,47 +1,37 @@
 #include "integrators/cell_tiles.h"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
 
 #include "math/hash.h"
-#include "motion/common_motion.h"
 
 namespace kairos {
 
 namespace {
 
-constexpr int kLargestSquare = 64;
+/// In small pictures they are smaller, so that there is something to do for many threads.
+constexpr int kLargestSquare = 64, kSmallestSquare = 32, kLeastSquares = 64;
 /// Of squares: what they hold takes about 150 bytes each.
 constexpr double kMostLookUps = 1 << 19;
-/// Of what falls into a cell so much is shaded.
-constexpr double kRate = 0.25;
-/// Cells are this wide for one shading sample per pixel, in pixels, and narrower by the root of more of them: their
-/// blur falls as the noise does.
-constexpr double kSide = 5, kSmallestCell = 0.7, kLargestCell = 2;
-/// Where things move among lights.
-constexpr uint32_t kSlices = 4;
-/// In pixels: where they pass fewer, a cell is seen by too few pixels to be worth its blur.
-constexpr double kLeastMotion = 3;
 constexpr uint64_t kTileDimension = 0x74696c65;
+
+int squares(const CellPlan& plan) {
+  const auto along = [&](int length) { return (length + plan.side - 1) / plan.side; };
+  return along(plan.frame_width) * along(plan.frame_height);
+}
 
 }  // namespace
 
-CellPlan plan_cells(const Shot& shot, const RenderParams& params, const RecordNeeds& needs, double look_ups) {
+CellPlan plan_cells(const Shot& shot, const RenderParams& params, const std::optional<CellOptions>& cells,
+                    double look_ups) {
   CellPlan plan;
-  if (params.cells == Cells::off || !is_lit(params.shading) || needs.over_time()) return plan;
-  if (params.cells == Cells::automatic && params.integrator == IntegratorKind::qmc) return plan;
-  const std::optional<double> motion = common_motion(shot);
-  if (params.cells == Cells::automatic && !(motion && *motion >= kLeastMotion)) return plan;
+  if (!cells) return plan;
   plan.frame_width = shot.projection.width;
   plan.frame_height = shot.projection.height;
   plan.seed = params.seed;
+  plan.cells = *cells;
   plan.side = kLargestSquare;
+  while (plan.side > kSmallestSquare && squares(plan) < kLeastSquares) plan.side /= 2;
   while (plan.side > 1 && look_ups * plan.side * plan.side > kMostLookUps) plan.side /= 2;
-  plan.cells.rate = kRate;
-  plan.cells.side = std::clamp(kSide / std::sqrt(look_ups * kRate), kSmallestCell, kLargestCell);
-  plan.cells.slices = motion ? 1 : kSlices;
-  plan.cells.share_asked = motion.has_value();
   return plan;
 }
 

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "film/record_tile.h"
 #include "integrators/integrator.h"
@@ -18,8 +19,9 @@ struct CellPlan {
   CellOptions cells;
   uint64_t seed = 0;
 };
-/// look_ups: per pixel, about.
-CellPlan plan_cells(const Shot& shot, const RenderParams& params, const RecordNeeds& needs, double look_ups);
+/// cells: see choose_cells(). look_ups: per pixel, about.
+CellPlan plan_cells(const Shot& shot, const RenderParams& params, const std::optional<CellOptions>& cells,
+                    double look_ups);
 
 /// A worker that hands what it would shade to `look_ups`; null: shades it itself.
 using MakeWorker = std::function<std::unique_ptr<Integrator::Worker>(LookUps* look_ups)>;

@@ -10,6 +10,7 @@
 #include "policy/packet_choice.h"
 #include "policy/race.h"
 #include "policy/sample_spread.h"
+#include "shading/surface_cells.h"
 
 namespace kairos {
 
@@ -19,6 +20,7 @@ struct FramePlan {
   std::vector<bool> exact_shadows;    ///< [mesh]: where time-continuous rays find shadows exactly; empty: nowhere
   std::vector<bool> exact_mirrors;    ///< [mesh]: what they show is exact in time; empty: nowhere
   uint32_t still_rays_per_exact = 0;  ///< where nothing moves but shadows, see RestingPixels; 0: they are sampled
+  std::optional<CellOptions> cells;   ///< by which light is shared; unset: it is not
   // Of the integrators mixed and auto.
   RayPrices prices;
   WorkSample work;                     ///< of a few rays

@@ -1,5 +1,6 @@
 // Time-continuous rays for what moves, discrete rays for what stands still, in one pixel: as many of each as asked for
 // (mixed) or as look best (auto). docs/method.md, "Static and moving in one pixel".
+#include "integrators/cell_choice.h"
 #include "integrators/integrator.h"
 #include "integrators/mixed_frame.h"
 #include "integrators/mixed_looks.h"
@@ -17,6 +18,7 @@ class MixedIntegrator : public Integrator {
     if (const FramePlan* plan = params.exposure ? nullptr : parts.find_plan(key_)) {
       frame_.plan = *plan;
       frame_.use_shadows();
+      frame_.use_cells();
       known_ = true;
     } else {
       frame_.estimate();
@@ -34,6 +36,10 @@ class MixedIntegrator : public Integrator {
     if (known_) return;
     choose_shadows(frame_, monitor);
     look_around(frame_, monitor, stats);
+    if (frame_.shading.clusters == Clusters::pixel)
+      frame_.plan.cells =
+          choose_cells(frame_.context, frame_.shot, frame_.params, frame_.scene, frame_.look_ups(), monitor);
+    frame_.use_cells();
     if (!frame_.params.exposure) parts_.keep_plan(key_, frame_.plan);  // the key does not know exposures
   }
 

@@ -25,16 +25,7 @@ bool has_mesh_that_shows_others(const Shot& shot, const Shader& shader) {
   return false;
 }
 
-CellPlan plan_frame_cells(const Shot& shot, const RenderParams& params, const RecordNeeds& needs,
-                          const ShadingOptions& shading) {
-  if (shading.clusters != Clusters::pixel) return {};
-  // Time-continuous rays of `auto` cost about as many discrete samples as they are shaded.
-  const double look_ups =
-      params.integrator == IntegratorKind::automatic ? params.spp : params.tc_rays * shading.samples;
-  return plan_cells(shot, params, needs, look_ups);
-}
-
-}  // namespace
+// namespace
 
 MixedFrame::MixedFrame(ShotParts& parts, const RenderParams& render_params, const PixelContext& pixel_context)
     : shot(parts.shot()),
@@ -47,7 +38,6 @@ MixedFrame::MixedFrame(ShotParts& parts, const RenderParams& render_params, cons
       race_points{Sampler(params.sampler, context.sampler.count(), hash(params.seed, kRaceSeed, 0)),
                   Sampler(params.sampler, context.sampler.count(), hash(params.seed, kRaceSeed, 1))},
       shading(shading_options(parts.shot(), params, context.needs)),
-      cells(plan_frame_cells(parts.shot(), params, context.needs, shading)),
       mask(parts.motion_mask(context.filter.radius(), params.crop)),
       scene(parts.discrete(params.discrete_keys)),
       occluder_hints(!has_still_blended(shot, context.shader)),
@@ -55,6 +45,11 @@ MixedFrame::MixedFrame(ShotParts& parts, const RenderParams& render_params, cons
       surroundings(shot, scene, context.shader, params.shading, budget),
       still_layer_is_empty(!surroundings.still_layer),
       any_shows_others(has_mesh_that_shows_others(shot, context.shader)) {}
+
+// Time-continuous rays of `auto` cost about as many discrete samples as they are shaded.
+double MixedFrame::look_ups() const { return automatic ? budget : params.tc_rays * shading.samples; }
+
+void MixedFrame::use_cells() { cells = plan_cells(shot, params, plan.cells, look_ups()); }
 
 void MixedFrame::estimate() {
   if (mask.empty() && context.needs.time != RecordNeeds::Time::segments) return;

@@ -52,7 +52,6 @@ class MixedFrame {
   const Sampler share_points;
   const std::array<Sampler, 2> race_points;
   const ShadingOptions shading;
-  const CellPlan cells;  ///< where light is shared, pixels are not looked at beforehand: all get the budget
   const MotionMask& mask;
   const DiscreteScene& scene;
   const bool occluder_hints;  ///< are still rays traced first, as occluder hints?
@@ -63,10 +62,14 @@ class MixedFrame {
 
   /// As the plan says; to be called whenever it has changed.
   void use_shadows();
+  void use_cells();  ///< the same
+  /// In each pixel, about.
+  double look_ups() const;
   /// Of the time-continuous rays of a pixel.
   ShadingOptions tc_shading() const;
 
   FramePlan plan;
+  CellPlan cells;
   std::optional<ExactShadows> tc_shadows;       ///< unset: they are sampled
   std::optional<ExactShadows> resting_shadows;  ///< where nothing moves but shadows; unset: they are sampled
   std::optional<ExactMirrors> resting_mirrors;  ///< where nothing moves but what they show; unset: that is sampled

@@ -143,7 +143,6 @@ void allot(MixedFrame& frame, const std::vector<LookedAt>& looks, Monitor& monit
 }  // namespace
 
 void look_around(MixedFrame& frame, Monitor& monitor, RenderStats& stats) {
-  if (frame.cells.side > 0) return;  // noise of light, which looks and races would see, is not a pixel's own there
   const Projection& projection = frame.shot.projection;
   const uint64_t pixels = static_cast<uint64_t>(projection.width) * static_cast<uint64_t>(projection.height);
   if (pixels < kLeastPixels) return;

@@ -37,6 +37,7 @@ MixedWorker::MixedWorker(const MixedFrame& frame, LookUps* look_ups)
       packet_(context_),
       strip_packet_(context_),
       samples_(context_, frame.scene, look_ups),
+      look_ups_(look_ups),
       contrast_(frame.shot.seen_background()),
       record_(context_.needs.surfaces()) {
   places_.reserve(static_cast<size_t>(frame.strip()));
@@ -250,10 +251,11 @@ bool MixedWorker::has_still_edge_in_front(int x, int y, Monitor& monitor) {
   return in_front > 0 && in_front < probes;
 }
 
-/// Discrete samples over pixel and shutter: as many as the pixel needs, each time twice what there are.
+/// Discrete samples over pixel and shutter: as many as the pixel needs, each time twice what there are. Where light is
+/// shared, its noise is not the pixel's own, and all get the budget.
 void MixedWorker::render_discrete(int x, int y, const Sampler::Pixel& pixel, DiscreteLayer layer, Monitor& monitor) {
   const std::optional<SampleSpread>& spread = frame_.plan.spread;
-  if (!spread) return samples_.take(x, y, pixel, 0, frame_.budget, layer, record_, monitor);
+  if (!spread || look_ups_ != nullptr) return samples_.take(x, y, pixel, 0, frame_.budget, layer, record_, monitor);
   contrast_.begin_pixel();
   uint32_t taken = spread->first();
   samples_.take(x, y, pixel, 0, taken, layer, record_, monitor);
@@ -283,7 +285,7 @@ bool MixedWorker::passes_in_mirrors(int x, int y) {
 /// As many samples as render_discrete() takes, by a contrast that knows nothing of what passes; where that is seen in a
 /// mirror, it is as uneven as things themselves are, and at least the budget is taken.
 void MixedWorker::render_resting(int x, int y, const Sampler::Pixel& pixel, Monitor& monitor) {
-  const std::optional<SampleSpread>& spread = frame_.plan.spread;
+  const std::optional<SampleSpread> spread = look_ups_ == nullptr ? frame_.plan.spread : std::nullopt;
   const ExactShadows* shadows = resting_->shadows();
   const ExactMirrors* mirrors = resting_->mirrors();
   uint32_t taken = spread ? spread->first() : frame_.budget;
@@ -301,7 +303,7 @@ void MixedWorker::render_resting(int x, int y, const Sampler::Pixel& pixel, Moni
   }
   const uint32_t exact = exact_rays(taken);
   record_.set_plan({exact, taken}, false);
-  resting_->add_exact(here_->still_layer, exact, context_.times(x, y).window(), record_);
+  resting_->add_exact(here_->still_layer, exact, context_.times(x, y).window(), record_, look_ups_);
 }
 
 uint32_t MixedWorker::exact_rays(uint32_t still_rays) const {

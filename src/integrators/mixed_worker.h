@@ -102,6 +102,7 @@ class MixedWorker : public Integrator::Worker {
   int strip_x_ = -1, strip_y_ = -1, last_x_ = -1;
   Place* here_;  // the pixel's
   DiscreteSamples samples_;
+  LookUps* const look_ups_;
   std::optional<RestingPixels> resting_;
   Contrast contrast_;
   RecordBuilder record_;

@@ -1,5 +1,6 @@
 // Discrete rays: each sees one instant.
 #include "discrete/discrete_scene.h"
+#include "integrators/cell_choice.h"
 #include "integrators/cell_tiles.h"
 #include "integrators/discrete_samples.h"
 #include "integrators/integrator.h"
@@ -11,7 +12,12 @@ namespace {
 class QmcIntegrator : public Integrator {
  public:
   QmcIntegrator(const Shot& shot, const DiscreteScene& scene, const RenderParams& params, const PixelContext& context)
-      : context_(context), scene_(scene), cells_(plan_cells(shot, params, context.needs, params.spp)) {}
+      : shot_(shot), params_(params), context_(context), scene_(scene) {}
+
+  void prepare(Monitor& monitor, RenderStats& /*stats*/) override {
+    const auto cells = choose_cells(context_, shot_, params_, scene_, params_.spp, monitor);
+    cells_ = plan_cells(shot_, params_, cells, params_.spp);
+  }
 
   std::unique_ptr<Worker> make_worker() const override {
     return make_cell_worker(cells_, context_,
@@ -47,6 +53,8 @@ class QmcIntegrator : public Integrator {
     RecordBuilder record_;
   };
 
+  const Shot& shot_;
+  const RenderParams params_;
   const PixelContext& context_;
   const DiscreteScene& scene_;
   CellPlan cells_;

@@ -27,9 +27,11 @@ class RestingPixels {
   const ExactMirrors* mirrors() const { return mirrors_; }
 
   /// Makes rays of `out` over all of the window of the first `count` still rays that are in it, which were shaded with
-  /// the same shadows.
-  void add_exact(const StillLayer& still, uint32_t count, const TimeRange& window, RecordBuilder& out) {
+  /// the same shadows. look_ups: by which they were; null: at once.
+  void add_exact(const StillLayer& still, uint32_t count, const TimeRange& window, RecordBuilder& out,
+                 LookUps* look_ups = nullptr) {
     changes_ = false;
+    look_ups_ = look_ups;
     for (uint32_t i = 0; i < count; ++i) {
       const PixelRay sampled = out.still_rays()[i];
       const uint32_t first = out.part_count();
@@ -69,9 +71,11 @@ class RestingPixels {
     Segment& where = seen.where;
     const Vec3f colour = out.knots()[seen.first_knot].colour;
     const KnotSurface surface = out.surface(seen.first_knot);
+    const auto awaited = look_ups_ != nullptr ? look_ups_->awaited_by(seen.first_knot) : std::nullopt;
     const auto add = [&](float begin, float end, Vec3f shown) {
       where.begin = begin;
       where.end = end;
+      if (awaited) look_ups_->link(out.knot_count(), *awaited);
       out.add_part({where, out.add_knot(begin + (end - begin) * 0.5f, shown, surface.normal, surface.albedo)});
     };
     if (where.mesh != kNoMesh && mirrors_ != nullptr && mirrors_->on(where.mesh)) {
@@ -90,9 +94,10 @@ class RestingPixels {
     changes_ = changes_ || steps_.changes();
     float begin = window.begin;
     for (const auto& step : steps_.steps()) {
+      Vec3f left = colour - (unhidden - step.light);
       // Where a light only just peeps past an edge, packets of rays and single ones may disagree whether it does.
-      const Vec3f left = colour - (unhidden - step.light);
-      add(begin, step.end, {std::max(left.x, 0.0f), std::max(left.y, 0.0f), std::max(left.z, 0.0f)});
+      if (!awaited) left = {std::max(left.x, 0.0f), std::max(left.y, 0.0f), std::max(left.z, 0.0f)};
+      add(begin, step.end, left);
       begin = step.end;
     }
   }
@@ -100,6 +105,7 @@ class RestingPixels {
   const ExactShadows& shadows_;
   const ExactMirrors* const mirrors_;
   const double sample_time_;
+  LookUps* look_ups_ = nullptr;
   RestingLightSteps steps_;
   PassingInMirrors passing_;
   StepSum sum_;

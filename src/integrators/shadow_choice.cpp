@@ -106,7 +106,7 @@ std::vector<bool> choose_exact_mirrors(const PixelContext& context, const Render
 void choose_shadows(MixedFrame& frame, Monitor& monitor) {
   const bool all_rests = std::all_of(frame.shot.meshes.begin(), frame.shot.meshes.end(),
                                      [](const Mesh& mesh) { return mesh.is_static(); });
-  if (all_rests || frame.cells.side > 0) return;  // colours, of which shadows are taken, come later with cells
+  if (all_rests) return;
   const bool shadows = may_be_exact(frame.params, frame.shading) && is_any(frame.context.shader.resting_receivers());
   // Samples that auto gives to pixels by how uneven they are know nothing of what passes in mirrors: with 16 of them a
   // picture with a fan in a mirror became worse by 4 dB.

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "integrators/cell_choice.h"
 #include "integrators/cell_tiles.h"
 #include "integrators/frame_plan.h"
 #include "integrators/integrator.h"
@@ -21,25 +22,36 @@ namespace {
 
 class TcIntegrator : public Integrator {
  public:
-  /// mask: null to leave the points of a pixel where they are.
-  /// scene: where the plan has exact shadows or mirrors.
-  TcIntegrator(const FramePlan& plan, const CellPlan& cells, const MotionMask* mask, const Tracer& tracer,
-               const DiscreteScene* scene, ShadingOptions shading, const PixelContext& context, int frame_width)
-      : context_(context),
-        shading_(shading),
-        cells_(cells),
-        mask_(mask),
-        tracer_(tracer),
-        packets_(plan.packets),
-        // Pixels with exposures of their own may look at different times.
-        strip_(context.exposure ? 1 : packets_.strip(context.sampler.count())),
-        width_(frame_width) {
-    if (!plan.exact_shadows.empty()) {
-      shadows_.emplace(context.shader, tracer, *scene, plan.exact_shadows);
+  TcIntegrator(ShotParts& parts, const RenderParams& params, const PixelContext& context)
+      : parts_(parts),
+        params_(params),
+        key_(plan_key(params, context.needs)),
+        context_(context),
+        shading_(shading_options(parts.shot(), params, context.needs)),
+        tracer_(parts.tracer(params.instruction_set)),
+        scene_(is_lit(params.shading) ? &parts.discrete(params.discrete_keys) : nullptr),
+        width_(parts.shot().projection.width) {
+    // A single ray is nowhere better than anywhere else; and rays of shots that follow on each other are not to jump.
+    if (context.sampler.count() > 1 && !context.needs.over_time())
+      mask_ = &parts.motion_mask(context.filter.radius(), params.crop);
+  }
+
+  void prepare(Monitor& monitor, RenderStats& /*stats*/) override {
+    if (const FramePlan* known = parts_.find_plan(key_)) {
+      plan_ = *known;
+    } else {
+      make_plan(monitor);
+      parts_.keep_plan(key_, plan_);
+    }
+    // Pixels with exposures of their own may look at different times.
+    strip_ = context_.exposure ? 1 : plan_.packets.strip(context_.sampler.count());
+    cells_ = plan_cells(parts_.shot(), params_, plan_.cells, look_ups());
+    if (!plan_.exact_shadows.empty()) {
+      shadows_.emplace(context_.shader, tracer_, *scene_, plan_.exact_shadows);
       shading_.shadows = &*shadows_;
     }
-    if (!plan.exact_mirrors.empty()) {
-      mirrors_.emplace(context.shader, tracer, *scene, plan.exact_mirrors);
+    if (!plan_.exact_mirrors.empty()) {
+      mirrors_.emplace(context_.shader, tracer_, *scene_, plan_.exact_mirrors);
       shading_.mirrors = &*mirrors_;
     }
   }
@@ -104,7 +116,7 @@ class TcIntegrator : public Integrator {
       const uint32_t count = context_.sampler.count();
       packet_.begin(y);
       packet_.add(x, pixel, align(x, y), begin, std::min(kMostRays, count - begin));
-      packet_.trace(integrator_.tracer_, workspace_, integrator_.packets_.together(count), limits);
+      packet_.trace(integrator_.tracer_, workspace_, integrator_.plan_.packets.together(count), limits);
     }
     void trace_strip(int x, int y) {
       const int left = x - x % integrator_.strip_;
@@ -123,14 +135,31 @@ class TcIntegrator : public Integrator {
     std::vector<uint32_t> ends_;  // [ray of a packet]: of its parts
   };
 
-  const PixelContext& context_;
+  void make_plan(Monitor& monitor) {
+    const Shot& shot = parts_.shot();
+    plan_.packets = choose_packets(context_, shot.projection, tracer_);
+    if (scene_ != nullptr)
+      plan_.exact_shadows = choose_exact_shadows(context_, shot, params_, tracer_, *scene_, shading_);
+    // What mirrors show is exact, or shares light.
+    if (params_.cells != Cells::on) plan_.exact_mirrors = choose_exact_mirrors(context_, params_, shading_);
+    if (scene_ != nullptr && plan_.exact_mirrors.empty() && shading_.clusters == Clusters::pixel)
+      plan_.cells = choose_cells(context_, shot, params_, *scene_, look_ups(), monitor);
+  }
 
+  double look_ups() const { return params_.tc_rays * shading_.samples; }
+
+  ShotParts& parts_;
+  const RenderParams params_;
+  const PlanKey key_;
+  const PixelContext& context_;
   ShadingOptions shading_;
-  CellPlan cells_;
-  const MotionMask* mask_;
   const Tracer& tracer_;
-  PacketChoice packets_;
-  int strip_, width_;  // pixels that are traced together, and in a row of the frame
+  const DiscreteScene* const scene_;  // of lit pictures
+  const int width_;                   // of the frame
+  const MotionMask* mask_ = nullptr;  // null to leave the points of a pixel where they are
+  FramePlan plan_;
+  int strip_ = 1;  // pixels that are traced together
+  CellPlan cells_;
   std::optional<ExactShadows> shadows_;
   std::optional<ExactMirrors> mirrors_;
 };
@@ -142,29 +171,7 @@ std::unique_ptr<Integrator> make_tc_integrator(ShotParts& parts, const RenderPar
   const Tracer& tracer = parts.tracer(params.instruction_set);
   stats.instruction_set = tracer.instruction_set();
   stats.accel_memory_bytes = tracer.memory_bytes();
-  const PlanKey key = plan_key(params, context.needs);
-  const FramePlan* known = parts.find_plan(key);
-  const ShadingOptions shading = shading_options(parts.shot(), params, context.needs);
-  const DiscreteScene* scene = is_lit(params.shading) ? &parts.discrete(params.discrete_keys) : nullptr;
-  CellPlan cells;
-  if (shading.clusters == Clusters::pixel)
-    cells = plan_cells(parts.shot(), params, context.needs, params.tc_rays * shading.samples);
-  FramePlan plan;
-  if (known != nullptr) {
-    plan = *known;
-  } else {
-    plan.packets = choose_packets(context, parts.shot().projection, tracer);
-    if (scene != nullptr)
-      plan.exact_shadows = choose_exact_shadows(context, parts.shot(), params, tracer, *scene, shading);
-    if (cells.side == 0) plan.exact_mirrors = choose_exact_mirrors(context, params, shading);
-    parts.keep_plan(key, plan);
-  }
-  // A single ray is nowhere better than anywhere else; and rays of shots that follow on each other are not to jump.
-  const MotionMask* mask = context.sampler.count() > 1 && !context.needs.over_time()
-                               ? &parts.motion_mask(context.filter.radius(), params.crop)
-                               : nullptr;
-  return std::make_unique<TcIntegrator>(plan, cells, mask, tracer, scene, shading, context,
-                                        parts.shot().projection.width);
+  return std::make_unique<TcIntegrator>(parts, params, context);
 }
 
 }  // namespace kairos

@@ -55,6 +55,11 @@ class Lights {
   std::optional<ArrivingLight> one_of_many(Vec3d point, Vec3d normal, float time, const Place& place, float u) const;
   static constexpr size_t kMostAsked = 16;
 
+  /// Is there any light? asked: count those that are each to be asked.
+  bool any(bool asked) const {
+    return (asked && punctual_count() > 0) || has_many() || !areas_.empty() || has_environment() || !sky_.empty();
+  }
+
   /// Emissive meshes.
   const AreaLights& areas() const { return areas_; }
 

@@ -55,7 +55,7 @@ struct RestingLight {
 
 /// What a query sees, where what arrives there is shared by all that see the point.
 struct SharedSurface {
-  Vec3f own;                       ///< what nobody shares: emission, mirrors, glass
+  Vec3f own;                       ///< what nobody shares: emission, mirrors, glass, surfaces with narrow highlights
   Vec3f reflects;                  ///< times what is shared, it is the rest of what is seen; zero: there is no rest
   std::array<float, 3> weights{};  ///< of the triangle's vertices
   bool front = false;              ///< the side on which vertices run counter-clockwise is seen
@@ -78,6 +78,9 @@ class LitShading {
   /// And what may be shared, with `reflects` as a factor in it. Of queries for which that is not zero.
   virtual void shared_light(std::span<const ShadingQuery> queries, bool share_asked,
                             std::span<Vec3f> colours) const = 0;
+
+  /// Is there anything of that in the scene?
+  virtual bool shares_light(bool share_asked) const = 0;
 
   /// Appends what each of the point, spot and directional lights that are all asked and stand still brings to what a
   /// query sees, but for those that bring nothing.

@@ -1,7 +1,9 @@
 // What pixels want to know of light, gathered to be answered together.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,11 +32,18 @@ class LookUps {
     queries_.push_back(query);
     return count() - 1;
   }
-  /// knot: of the pixel's record.
+  /// knot: of the pixel's record; none that is before those that were linked already.
   void link(uint32_t knot, uint32_t query) { links_.push_back({knot, query}); }
   /// first_knot: of the pixel's knots, among those of all pixels, by which they are counted from now on.
   void end_pixel(uint32_t first_knot) {
     for (; linked_ < links_.size(); ++linked_) links_[linked_].knot += first_knot;
+  }
+
+  /// Of a pixel that has not ended, what a knot waits for; nothing if it does not.
+  std::optional<uint32_t> awaited_by(uint32_t knot) const {
+    const auto from = links_.begin() + static_cast<std::ptrdiff_t>(linked_);
+    const auto at = std::lower_bound(from, links_.end(), knot, [](const Link& a, uint32_t b) { return a.knot < b; });
+    return at != links_.end() && at->knot == knot ? std::optional(at->query) : std::nullopt;
   }
 
   std::span<ShadingQuery> queries() { return queries_; }

@@ -33,6 +33,7 @@ class Paths : public LitShading {
   void own_light(std::span<const ShadingQuery> queries, bool share_asked,
                  std::span<SharedSurface> surfaces) const override;
   void shared_light(std::span<const ShadingQuery> queries, bool share_asked, std::span<Vec3f> colours) const override;
+  bool shares_light(bool /*share_asked*/) const override { return lights_.any(true); }  // what is scattered, too
   void resting_light(const ShadingQuery& query, std::vector<RestingLight>& lights) const override;
 
  private:

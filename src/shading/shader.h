@@ -58,6 +58,8 @@ class Shader {
     lit_->shared_light(queries, share_asked, colours);
   }
 
+  bool shares_light(bool share_asked) const { return lit_ != nullptr && lit_->shares_light(share_asked); }
+
   /// The same but for the colour of what is lit.
   Shade surface(const Ray& ray, uint32_t mesh, uint32_t triangle, float time) const {
     double width = 0;

@@ -19,8 +19,9 @@ struct CellOptions {
 };
 
 /// Answers look-ups: each falls into a cell of the surface that it sees, which moves along with it, and gets the mean
-/// light of those look-ups of the cell that are shaded, times what it reflects itself. docs/method.md, "Surface cells".
-/// One thread's scratch memory.
+/// light of those look-ups of the cell that are shaded, times what it reflects itself. A cell is halved, along an axis
+/// or in time, where these say that light differs between its halves by clearly more than its noise.
+/// docs/method.md, "Surface cells". One thread's scratch memory.
 class SurfaceCells {
  public:
   SurfaceCells(const Shader& shader, const CellOptions& options) : shader_(shader), options_(options) {}
@@ -43,15 +44,25 @@ class SurfaceCells {
   struct Cell {
     Key key;
     uint32_t look_ups = 0, first = 0;  // of its look-ups in in_cells_
-    Vec3f light, reflects;             // sums over what is shaded
+    uint32_t first_chosen = 0;         // of those that are shaded
+  };
+  using Place = std::array<float, 4>;  // within a cell, in space and time
+  /// Of a cell.
+  struct Part {
+    std::span<uint32_t> look_ups, chosen;
+    Place low{0, 0, 0, 0}, high{1, 1, 1, 1};
   };
 
-  Key key_of(const ShadingQuery& query, const SharedSurface& surface) const;
+  Key key_of(const ShadingQuery& query, const SharedSurface& surface, Place& place) const;
   void assign(std::span<ShadingQuery> queries);
   uint32_t find(const Key& key);
   void grow_table();
   void sort_by_cell();
   void shade(std::span<const ShadingQuery> queries, uint64_t seed);
+  void share();
+  void share(Part part);
+  /// Of a part whose halves differ clearly, along which axis they do most; none: 4.
+  size_t clearest_axis(const Part& part) const;
 
   const Shader& shader_;
   CellOptions options_;
@@ -60,9 +71,13 @@ class SurfaceCells {
   std::vector<uint32_t> slots_;          // [hash]: number of a cell, or kNone; a power of two, less than half full
   std::vector<Cell> cells_;              // in order of first sight
   std::vector<uint32_t> in_cells_;       // look-ups, cell by cell
-  std::vector<ShadingQuery> chosen_;     // to be shaded
-  std::vector<uint32_t> chosen_cell_;
-  std::vector<Vec3f> chosen_light_, colours_;
+  std::vector<Place> places_;            // [look-up]
+  std::vector<ShadingQuery> chosen_;     // to be shaded, cell by cell
+  std::vector<uint32_t> chosen_look_up_;
+  std::vector<Vec3f> chosen_light_;
+  std::vector<float> brightness_;  // [chosen]: of the light that arrives
+  std::vector<uint32_t> order_;    // of what is chosen, part by part
+  std::vector<Vec3f> colours_;
   uint64_t evaluations_ = 0;
 };
 

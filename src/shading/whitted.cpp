@@ -86,7 +86,11 @@ void Whitted::own_light(std::span<const ShadingQuery> queries, bool share_asked,
       [&](size_t i, const SurfacePoint& point, const Scatter& scatter, Vec3f punctual, const SampleInstant& instant) {
         SharedSurface& surface = surfaces[i];
         surface = {{}, {}, point.weights, point.entering};
-        if (is_lit(point)) {
+        if (is_lit(point) && scatter.is_narrow()) {
+          const Past past = past_of(queries[i]);
+          surface.own = share_asked ? shade(queries[i].ray, point, instant, queries[i].key, past)
+                                    : shade(queries[i].ray, point, scatter, punctual, instant, queries[i].key, past);
+        } else if (is_lit(point)) {
           surface.own = point.look.emission + punctual +
                         followed(queries[i].ray, point, scatter, instant, queries[i].key, past_of(queries[i]));
           surface.reflects = scatter.shares().diffuse + scatter.shares().highlight;

@@ -28,6 +28,7 @@ class Whitted : public LitShading {
   void own_light(std::span<const ShadingQuery> queries, bool share_asked,
                  std::span<SharedSurface> surfaces) const override;
   void shared_light(std::span<const ShadingQuery> queries, bool share_asked, std::span<Vec3f> colours) const override;
+  bool shares_light(bool share_asked) const override { return lights_.any(share_asked); }
   void resting_light(const ShadingQuery& query, std::vector<RestingLight>& lights) const override;
   bool steady_light(const ShadingQuery& query, std::vector<RestingLight>& lights, Vec3f& own) const override;
   void followed_rays(const ShadingQuery& query, std::vector<FollowedRay>& rays) const override;
@@ -45,9 +46,14 @@ class Whitted : public LitShading {
     bool is_dark() const { return is_dark_; }
     /// Is the highlight so narrow and strong that it is looked for by scattering, too?
     bool is_sharp() const { return is_sharp_; }
+    /// Is it so narrow that what is seen in it changes from pixel to pixel?
+    bool is_narrow() const { return is_sharp_ && shares_.alpha < kNarrow; }
     Vec3d direction(const std::array<float, 3>& sample) const;
 
    private:
+    /// Of a highlight that is a few degrees wide.
+    static constexpr double kNarrow = 0.05;
+
     double density(Vec3d direction) const;
 
     Vec3d normal_, face_, to_viewer_;

@@ -170,5 +170,80 @@ TEST(SurfaceCells, TakeNoiseAndLeaveTheMean) {
   }
 }
 
+/// Of a crop of 32x32 pixels of a frame that is large enough for a race.
+std::vector<float> raced_crop(Shot shot, Cells cells, IntegratorKind kind, uint64_t seed) {
+  shot.projection.width = 512;
+  shot.projection.height = 288;
+  RenderParams params = cell_params(kind, cells, 8, seed);
+  params.crop = Crop{192, 224, 128, 160};
+  return colours_of(render(shot, params));
+}
+
+TEST(SurfaceCells, AutoSharesLightWhereThatTakesNoise) {
+  std::mt19937 random(test::seed());
+  Shot sky_lit = lit_room(0), point_lit = lit_room(0.7f), even = lit_room(0.7f);
+  point_lit.meshes.erase(point_lit.meshes.begin() + 1);  // the lamp
+  PointLight bulb;
+  bulb.position = {0, 0, -2};
+  bulb.intensity = {30, 30, 30};
+  point_lit.lights = {bulb};
+  even.meshes.resize(1);  // the floor, of which all sees all of the sky
+  sky_lit.lights = even.lights = {ConstantLight{{1, 1, 1}}};
+  // High walls, so that each point of the floor sees a part of the sky.
+  sky_lit.meshes = {sky_lit.meshes[0], parallelogram({-4, -20, -10}, {0, 40, 0}, {0, 0, 12}, 0),
+                    parallelogram({4, -20, -10}, {0, 40, 0}, {0, 0, 12}, 0)};
+  slide_all(sky_lit, 0.7f);
+  for (const IntegratorKind kind : {IntegratorKind::tc, IntegratorKind::mixed, IntegratorKind::automatic}) {
+    const uint64_t seed = random();
+    EXPECT_NE(raced_crop(sky_lit, Cells::automatic, kind, seed), raced_crop(sky_lit, Cells::off, kind, seed));
+    EXPECT_EQ(raced_crop(point_lit, Cells::automatic, kind, seed), raced_crop(point_lit, Cells::off, kind, seed));
+    EXPECT_EQ(raced_crop(even, Cells::automatic, kind, seed), raced_crop(even, Cells::off, kind, seed));
+  }
+}
+
+TEST(SurfaceCells, AreHalvedWhereLightChangesFast) {
+  // A bright wall stands on the floor, and across the pixels next to it light falls to a small part.
+  std::mt19937 random(test::seed());
+  Shot shot;
+  shot.materials = {lambert({0.7f, 0.7f, 0.7f}), lamp({8, 8, 8})};
+  shot.meshes = {parallelogram({-20, -20, -10}, {40, 0, 0}, {0, 40, 0}, 0),
+                 parallelogram({0, -20, -10}, {0, 40, 0}, {0, 0, 0.1f}, 1)};
+  shot.projection.width = shot.projection.height = 32;
+  shot.projection.orthographic = true;
+  shot.projection.view_height = 3.2;
+  const auto picture = [&](Cells cells, int spp) {
+    return colours_of(render(shot, cell_params(IntegratorKind::qmc, cells, spp, random())));
+  };
+  const auto shared = picture(Cells::on, 64), alone = picture(Cells::off, 64), other = picture(Cells::off, 64);
+  double off = 0, brightest = 0;
+  for (size_t x = 0; x < 32; ++x) {  // means over columns
+    double difference = 0, light = 0;
+    for (size_t y = 0; y < 32; ++y) {
+      light += static_cast<double>(alone[y * 32 + x] + other[y * 32 + x]) / 64;
+      difference += static_cast<double>(shared[y * 32 + x]) / 32;
+    }
+    off = std::max(off, std::abs(difference - light));
+    brightest = std::max(brightest, light);
+  }
+  EXPECT_LT(off, 0.25 * brightest);
+}
+
+TEST(SurfaceCells, NarrowHighlightsAreNobodyElses) {
+  std::mt19937 random(test::seed());
+  Shot shot;
+  shot.materials = {lambert({0.2f, 0.2f, 0.2f}), lamp({60, 60, 60})};
+  shot.materials[0].roughness = 0.2f;
+  shot.meshes = {ball({0, 0, -10}, 1, 16, 0), parallelogram({-2, 1, -6}, {0, 1, 0}, {1, 0, 0}, 1)};
+  shot.projection.width = shot.projection.height = 24;
+  shot.projection.orthographic = true;
+  shot.projection.view_height = 2;
+  for (const IntegratorKind kind : kKinds) {
+    const uint64_t seed = random();
+    const auto shared = colours_of(render(shot, cell_params(kind, Cells::on, 4, seed)));
+    const auto alone = colours_of(render(shot, cell_params(kind, Cells::off, 4, seed)));
+    for (size_t i = 0; i < alone.size(); ++i) ASSERT_NEAR(shared[i], alone[i], 1e-5f) << i;
+  }
+}
+
 }  // namespace
 }  // namespace kairos
