@@ -62,11 +62,11 @@ enum class Mirrors {
 };
 /// Does light that arrives at a point of a surface count for all pixels that see the point while it moves? Of lit
 /// pictures under a mean over the shutter, and seen through nothing blended by time-continuous rays. Light is then
-/// blurred by a cell of the surface, of about 0.7 to 2 pixels, the smaller the more samples there are. docs/method.md,
+/// blurred by a cell of the surface, of 1 to 8 pixels, as a race in a few pixels finds best. docs/method.md,
 /// "Surface cells".
 enum class Cells {
-  automatic,  ///< of `tc`, `mixed` and `automatic`, where all that is seen moves as one, as it does before a camera
-              ///< that moves in a world at rest, and by some pixels
+  automatic,  ///< of `tc`, `mixed` and `automatic`, in pictures of 37,000 pixels and more, if it brings light clearly
+              ///< nearer to the truth in those pixels
   on,
   off,  ///< every pixel looks for its light by itself
 };

@@ -119,7 +119,8 @@ std::vector<Errors> race(const Shader& shader, Square& square, int side, uint32_
   std::vector<size_t> pixels;
   const auto shift = static_cast<int>(hash(seed) % (kStep * kStep));
   for (int y = shift / kStep; y < side; y += kStep)
-    for (int x = shift % kStep; x < side; x += kStep) pixels.push_back(static_cast<size_t>(y * side + x));
+    for (int x = shift % kStep; x < side; x += kStep)
+      pixels.push_back(static_cast<size_t>(y) * static_cast<size_t>(side) + static_cast<size_t>(x));
   std::vector<Errors> errors(pixels.size());
   std::vector<std::array<Vec3f, 2>> alone(pixels.size());
   std::vector<ShadingQuery> own;
