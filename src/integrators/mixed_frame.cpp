@@ -25,7 +25,7 @@ bool has_mesh_that_shows_others(const Shot& shot, const Shader& shader) {
   return false;
 }
 
-// namespace
+}  // namespace
 
 MixedFrame::MixedFrame(ShotParts& parts, const RenderParams& render_params, const PixelContext& pixel_context)
     : shot(parts.shot()),
