@@ -117,7 +117,7 @@ std::vector<Errors> race(const Shader& shader, Square& square, int side, uint32_
                          std::span<const CellOptions> candidates, uint64_t seed) {
   const std::span<const ShadingQuery> queries = square.look_ups().queries();
   std::vector<size_t> pixels;
-  const auto shift = static_cast<int>(hash(seed) % (kStep * kStep));
+  const auto shift = static_cast<int>(hash(seed) % (uint64_t{kStep} * uint64_t{kStep}));
   for (int y = shift / kStep; y < side; y += kStep)
     for (int x = shift % kStep; x < side; x += kStep)
       pixels.push_back(static_cast<size_t>(y) * static_cast<size_t>(side) + static_cast<size_t>(x));
