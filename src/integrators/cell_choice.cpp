@@ -40,8 +40,8 @@ struct Squares {
 constexpr Squares kSquares[] = {{32, 8}, {24, 6}, {16, 3}};
 /// Of whose pixels one in so many, along either side, is looked at.
 constexpr int kStep = 4;
-constexpr double kMostLookUps = 1 << 18;
-constexpr uint64_t kRaceSeed = 0x4352, kAloneDimension = 0x4341;
+constexpr double kMostRacedLookUps = 1 << 18;
+constexpr uint64_t kCellRaceSeed = 0x4352, kAloneDimension = 0x4341;
 
 /// All that a square's pixels see.
 class Square {
@@ -174,10 +174,10 @@ std::optional<CellOptions> choose_cells(const PixelContext& context, const Shot&
   if (squares == std::end(kSquares)) return open ? std::nullopt : std::optional(candidates[kUsual]);
   uint64_t side = squares->side;
   const uint64_t count = std::min(raced / (side * side), kMostSquares);
-  while (side > 1 && look_ups * static_cast<double>(side * side) > kMostLookUps) side /= 2;
+  while (side > 1 && look_ups * static_cast<double>(side * side) > kMostRacedLookUps) side /= 2;
   const auto samples =
       static_cast<uint32_t>(std::clamp(std::round(look_ups), 1.0, static_cast<double>(Sampler::kMaxCount)));
-  const Sampler sampler(SamplerKind::owen_sobol, samples, hash(params.seed, kRaceSeed));
+  const Sampler sampler(SamplerKind::owen_sobol, samples, hash(params.seed, kCellRaceSeed));
   const Sampler places(SamplerKind::owen_sobol, static_cast<uint32_t>(count), 0);
   const Sampler::Pixel everywhere = places.pixel(0, 0);
   std::vector<std::vector<Errors>> errors(count);
@@ -190,7 +190,7 @@ std::optional<CellOptions> choose_cells(const PixelContext& context, const Shot&
       };
       square.look(place(at.x, width), place(at.y, height), static_cast<int>(side), monitor);
       errors[i] =
-          race(context.shader, square, static_cast<int>(side), samples, candidates, hash(params.seed, kRaceSeed, i));
+          race(context.shader, square, static_cast<int>(side), samples, candidates, hash(params.seed, kCellRaceSeed, i));
     }
   });
   std::optional<CellOptions> best;

@@ -14,7 +14,7 @@ constexpr int kLargestSquare = 64, kSmallestSquare = 32, kLeastSquares = 64;
 constexpr double kMostLookUps = 1 << 19;
 constexpr uint64_t kTileDimension = 0x74696c65;
 
-int squares(const CellPlan& plan) {
+int square_count(const CellPlan& plan) {
   const auto along = [&](int length) { return (length + plan.side - 1) / plan.side; };
   return along(plan.frame_width) * along(plan.frame_height);
 }
@@ -30,7 +30,7 @@ CellPlan plan_cells(const Shot& shot, const RenderParams& params, const std::opt
   plan.seed = params.seed;
   plan.cells = *cells;
   plan.side = kLargestSquare;
-  while (plan.side > kSmallestSquare && squares(plan) < kLeastSquares) plan.side /= 2;
+  while (plan.side > kSmallestSquare && square_count(plan) < kLeastSquares) plan.side /= 2;
   while (plan.side > 1 && look_ups * plan.side * plan.side > kMostLookUps) plan.side /= 2;
   return plan;
 }
