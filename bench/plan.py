@@ -41,7 +41,7 @@ QUICK = replace(FULL, rounds=3, tiles=32, incoherent=4000, build_rounds=1, rende
                 auto=("--rows", "15", "--seeds", "1", "--budgets", "4,16,64,256", "--tc-rays", "1,4,16"), seeds=2, study_rows=4, budgets="4,16,64,256", more_budgets="4,16,64,256",
                 reference_spp=512, triangles=(10**4, 10**5), motions=(1, 10, 100), spans=(1, 16), sets=(1, 1024),
                 sizes=("320x180", "960x540"), resolution_of=("terrain",),
-                left_out=("kitchen-slow", "kitchen-large", "kitchen-fast", "foliage-whitted", "garden-large", "forest-large",
+                left_out=("kitchen-slow", "kitchen-large", "kitchen-fast", "foliage-whitted", "glass-whitted", "garden-large", "forest-large",
                           "veils-large", "hair-large"))
 # Says nothing about speed, only that everything runs.
 TINY = replace(QUICK, scale=0.01, rounds=2, tiles=4, incoherent=100, render_rounds=2, thread_rounds=2, shot_size="32x18",
