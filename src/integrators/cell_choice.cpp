@@ -189,8 +189,8 @@ std::optional<CellOptions> choose_cells(const PixelContext& context, const Shot&
         return static_cast<int>(share * static_cast<float>(length - side + 1));
       };
       square.look(place(at.x, width), place(at.y, height), static_cast<int>(side), monitor);
-      errors[i] =
-          race(context.shader, square, static_cast<int>(side), samples, candidates, hash(params.seed, kCellRaceSeed, i));
+      errors[i] = race(context.shader, square, static_cast<int>(side), samples, candidates,
+                       hash(params.seed, kCellRaceSeed, i));
     }
   });
   std::optional<CellOptions> best;
