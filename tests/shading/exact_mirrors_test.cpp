@@ -86,7 +86,7 @@ TEST(ExactMirrors, HaveTheMeanOfDiscreteRays) {
   shot.meshes.push_back(carried(ball({-1.5f, -0.5f, -1}, 0.4f, 4, 3), {1.5f, 0.2f, 0}));
   shot.lights = {DirectionalLight{{0.4f, -1, -0.8f}, {3, 3, 3}}, PointLight{{1, 2, 3}, {20, 15, 10}}};
   shot.background = {0.2f, 0.3f, 0.4f};
-  const int seeds = test::seeds_of_means(32);
+  const int seeds = test::seeds_of_means(64);
   Renderer renderer(shot);
   RenderParams discrete = mirror_params(Mirrors::sampled, 2, 2);
   discrete.integrator = IntegratorKind::qmc;
