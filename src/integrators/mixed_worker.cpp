@@ -200,15 +200,7 @@ void MixedWorker::render_moving(int x, int y, const Sampler::Pixel& pixel, const
     const RowPacket::Rays rays =
         strip ? trace_in_strip(x, y, monitor) : trace_alone(x, y, pixel, begin, plan.tc_rays, monitor);
     for (const SeenByRay& ray : rays.seen) layers_ += ray.blended.size();
-    ends_.clear();
-    uint32_t first = record_.part_count();
-    shading_.shade({rays.rays, rays.seen, rays.times, pixel.seed, begin, times.window()}, record_, ends_);
-    for (uint32_t i = 0; i < rays.rays.size(); ++i) {
-      const SeenByRay& seen = rays.seen[i];
-      record_.add_ray({rays.film[i], 1, PixelRay::kAll, first, ends_[i] - first,
-                       static_cast<uint32_t>(seen.segments.size() + seen.blended.size())});
-      first = ends_[i];
-    }
+    shade_rays(rays, pixel.seed, begin, times.window(), shading_, ends_, record_);
   }
   if (!frame_.still_layer_is_empty && plan.discrete > 0) add_still_term(x, y, plan, monitor);
 }

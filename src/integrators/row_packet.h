@@ -9,6 +9,8 @@
 #include <kairos/tracer.h>
 
 #include "motion/aligned_points.h"
+#include "pixel/record_builder.h"
+#include "shading/packet_shading.h"
 #include "shading/pixel_context.h"
 
 namespace kairos {
@@ -90,5 +92,20 @@ class RowPacket {
   std::vector<Segment> occluder_hints_;
   std::span<const SeenByRay> seen_;
 };
+
+/// Shades a pixel's rays, of which they are those from `first_ray` on, and adds them with all that they see to its
+/// record. ends: scratch memory.
+inline void shade_rays(const RowPacket::Rays& rays, uint64_t pixel_seed, uint32_t first_ray, const TimeRange& window,
+                       PacketShading& shading, std::vector<uint32_t>& ends, RecordBuilder& record) {
+  ends.clear();
+  uint32_t first = record.part_count();
+  shading.shade({rays.rays, rays.seen, rays.times, pixel_seed, first_ray, window}, record, ends);
+  for (uint32_t i = 0; i < rays.rays.size(); ++i) {
+    const SeenByRay& seen = rays.seen[i];
+    record.add_ray({rays.film[i], 1, PixelRay::kAll, first, ends[i] - first,
+                    static_cast<uint32_t>(seen.segments.size() + seen.blended.size())});
+    first = ends[i];
+  }
+}
 
 }  // namespace kairos

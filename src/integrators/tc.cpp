@@ -85,15 +85,7 @@ class TcIntegrator : public Integrator {
         else if (!packet_.holds(x, y))
           trace_strip(x, y);
         const RowPacket::Rays rays = packet_.of(x);
-        ends_.clear();
-        uint32_t first = record_.part_count();
-        shading_.shade({rays.rays, rays.seen, rays.times, pixel.seed, begin, times.window()}, record_, ends_);
-        for (uint32_t i = 0; i < rays.rays.size(); ++i) {
-          const SeenByRay& seen = rays.seen[i];
-          record_.add_ray({rays.film[i], 1, PixelRay::kAll, first, ends_[i] - first,
-                           static_cast<uint32_t>(seen.segments.size() + seen.blended.size())});
-          first = ends_[i];
-        }
+        shade_rays(rays, pixel.seed, begin, times.window(), shading_, ends_, record_);
       }
       return record_.finish();
     }
