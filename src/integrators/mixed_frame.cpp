@@ -1,6 +1,7 @@
 #include "integrators/mixed_frame.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "math/hash.h"
 
@@ -48,6 +49,10 @@ MixedFrame::MixedFrame(ShotParts& parts, const RenderParams& render_params, cons
 
 // Time-continuous rays of `auto` cost about as many discrete samples as they are shaded.
 double MixedFrame::look_ups() const { return automatic ? budget : params.tc_rays * shading.samples; }
+
+uint32_t MixedFrame::tc_rays() const {
+  return automatic ? static_cast<uint32_t>(std::lround(std::max(1.0, plan.allotment.mean_rays()))) : fixed_plan.tc_rays;
+}
 
 void MixedFrame::use_cells() { cells = plan_cells(shot, params, plan.cells, look_ups()); }
 

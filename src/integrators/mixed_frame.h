@@ -60,6 +60,11 @@ class MixedFrame {
   const bool still_layer_is_empty;  ///< but for a background that is the same everywhere
   const bool any_shows_others;      ///< see Shader::shows_others
 
+  /// Of few samples of noisy light, races are to take less than they can win.
+  bool races_thriftily() const { return is_lit(params.shading) && budget < kLeastForStill; }
+  /// Of a pixel that gets any, about: before races.
+  uint32_t tc_rays() const;
+
   /// As the plan says; to be called whenever it has changed.
   void use_shadows();
   void use_cells();  ///< the same

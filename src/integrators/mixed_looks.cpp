@@ -140,6 +140,16 @@ void allot(MixedFrame& frame, const std::vector<LookedAt>& looks, Monitor& monit
   frame.plan.spread = split_time(decided, frame.budget, raced > 0 ? decided.discrete_error() / raced : 0, contestants);
 }
 
+/// Is what pixels with discrete samples have as many samples as without a rule, and better off so?
+bool is_better_alike(const MixedFrame& frame, const std::vector<LookedAt>& looks) {
+  const std::optional<SampleSpread>& spread = frame.plan.spread;
+  if (!spread || !is_lit(frame.params.shading) || spread->first() != first_samples(frame.budget)) return false;
+  std::vector<PixelLook> discrete;
+  for (const LookedAt& look : looks)
+    if (!look.tc_possible || frame.plan_pixel(look.x, look.y).tc_rays == 0) discrete.push_back(look.pixel);
+  return !spread->pays_if_lit(frame.budget, discrete);
+}
+
 }  // namespace
 
 void look_around(MixedFrame& frame, Monitor& monitor, RenderStats& stats) {
@@ -152,6 +162,7 @@ void look_around(MixedFrame& frame, Monitor& monitor, RenderStats& stats) {
   const auto count = std::clamp<uint64_t>(pixels / kPixelsPerLook, kLeastLooks, kMostLooks);
   const std::vector<LookedAt> looks = look(frame, count, monitor, stats);
   allot(frame, looks, monitor);
+  if (is_better_alike(frame, looks)) frame.plan.spread.reset();
 }
 
 }  // namespace kairos

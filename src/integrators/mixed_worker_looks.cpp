@@ -83,7 +83,7 @@ RacedPixel MixedWorker::race(int x, int y, Monitor& monitor) {
   const Surroundings& around = frame_.surroundings;
   RacedPixel result;
   result.speed = frame_.speed(x, y);
-  const auto counts = raced_counts(frame_.raced_rays(), context_.sampler.count());
+  const auto counts = raced_counts(frame_.raced_rays(), context_.sampler.count(), frame_.races_thriftily());
   for (size_t i = 0; i < counts.size(); ++i) result.tc[i].count = counts[i];
   using Pair = std::array<Vec3f, 2>;
   Pair discrete;

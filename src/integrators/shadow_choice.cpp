@@ -84,15 +84,15 @@ bool exact_wins(const MixedFrame& frame, std::vector<LookPixel> pixels, Monitor&
 }  // namespace
 
 std::vector<bool> choose_exact_shadows(const PixelContext& context, const Shot& shot, const RenderParams& params,
-                                       const Tracer& tracer, const DiscreteScene& scene,
-                                       const ShadingOptions& options) {
+                                       const Tracer& tracer, const DiscreteScene& scene, const ShadingOptions& options,
+                                       uint32_t rays_in_pixel) {
   // Colours free of noise change by what changes in the scene alone: where that is shadows, they are steps.
   if (context.needs.contrast > 0)
     return params.shadows == Shadows::sampled ? std::vector<bool>() : context.shader.resting_receivers();
   if (!may_be_exact(params, options)) return {};
   std::vector<bool> meshes = context.shader.resting_receivers();
   if (is_any(meshes) && params.shadows == Shadows::automatic)
-    meshes = race_shadows(context, shot, params.shading, tracer, scene, options, std::move(meshes));
+    meshes = race_shadows(context, shot, params.shading, tracer, scene, options, rays_in_pixel, std::move(meshes));
   return is_any(meshes) ? meshes : std::vector<bool>();
 }
 
@@ -118,8 +118,8 @@ void choose_shadows(MixedFrame& frame, Monitor& monitor) {
   if (leaves_open && pixels_of(frame) < 10 * kLeastShadowLooks) return;
   const bool may_trace = shadows && !frame.mask.empty() && (!frame.automatic || frame.plan.allotment.buys_tc());
   if (may_trace)
-    frame.plan.exact_shadows =
-        choose_exact_shadows(frame.context, frame.shot, frame.params, frame.tracer, frame.scene, frame.shading);
+    frame.plan.exact_shadows = choose_exact_shadows(frame.context, frame.shot, frame.params, frame.tracer, frame.scene,
+                                                    frame.shading, frame.tc_rays());
   uint32_t& per_exact = frame.plan.still_rays_per_exact;
   per_exact = 1;
   frame.use_shadows();

@@ -9,7 +9,8 @@ namespace kairos {
 
 /// Of time-continuous rays: [mesh]; empty for nowhere. Where RenderParams::shadows leaves it open, by a race.
 std::vector<bool> choose_exact_shadows(const PixelContext& context, const Shot& shot, const RenderParams& params,
-                                       const Tracer& tracer, const DiscreteScene& scene, const ShadingOptions& options);
+                                       const Tracer& tracer, const DiscreteScene& scene, const ShadingOptions& options,
+                                       uint32_t rays_in_pixel);
 
 /// And in which mirrors what moves is: [mesh]; empty for none. Where pixels share no light.
 std::vector<bool> choose_exact_mirrors(const PixelContext& context, const RenderParams& params,

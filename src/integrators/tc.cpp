@@ -131,7 +131,8 @@ class TcIntegrator : public Integrator {
     const Shot& shot = parts_.shot();
     plan_.packets = choose_packets(context_, shot.projection, tracer_);
     if (scene_ != nullptr)
-      plan_.exact_shadows = choose_exact_shadows(context_, shot, params_, tracer_, *scene_, shading_);
+      plan_.exact_shadows =
+          choose_exact_shadows(context_, shot, params_, tracer_, *scene_, shading_, context_.sampler.count());
     // What mirrors show is exact, or shares light.
     if (params_.cells != Cells::on) plan_.exact_mirrors = choose_exact_mirrors(context_, params_, shading_);
     if (scene_ != nullptr && plan_.exact_mirrors.empty() && shading_.clusters == Clusters::pixel)

@@ -31,11 +31,12 @@ struct RacedPixel {
 };
 
 /// As many rays as the budget is thought to buy, a quarter of that and four times as many, for prices may be far off;
-/// at most `most`. Of a quarter that is no ray there is one, or, where the budget buys no more, none: 0.
-inline std::array<uint32_t, 3> raced_counts(double bought, uint32_t most) {
+/// at most `most`. Of a quarter that is no ray there is one, or, where the budget buys no more, none: 0. thrifty:
+/// without four times as many, which take most of a race's time.
+inline std::array<uint32_t, 3> raced_counts(double bought, uint32_t most, bool thrifty = false) {
   const auto fits = std::bit_floor(std::clamp(static_cast<uint32_t>(std::lround(bought)), 1u, std::max(most, 1u)));
   const uint32_t few = std::max(1u, fits / 4);
-  return {few < fits ? few : 0, fits, std::min(4 * fits, std::max(most, 1u))};
+  return {few < fits ? few : 0, fits, thrifty ? 0 : std::min(4 * fits, std::max(most, 1u))};
 }
 
 /// Pixels are told apart by how fast things move in them, since that decides more than all else. Each of a few hundred

@@ -86,6 +86,20 @@ class SampleSpread {
     return spread > 0 ? std::max(1.0, std::pow(alike / spread, 1 / kErrorExponent)) : 1;
   }
 
+  /// Does it pay in a lit picture, where these pixels would otherwise have `alike` samples each? The gain is less than
+  /// gain() says, since contrasts are those of noisy light, the more so the fewer samples there are; and it takes more
+  /// time, since pixels are even because no light gets there, and rays that look for it end soon.
+  bool pays_if_lit(double alike, const std::vector<PixelLook>& looks) const {
+    double time = 0, time_alike = 0;
+    for (const PixelLook& look : looks) {
+      const double samples = count(look.contrast_square);
+      const double less = std::max(0.0, alike - samples), more = std::max(0.0, samples - alike);
+      time += look.price * (alike - kLitSaved * less + kMore * kLitDearer * more);
+      time_alike += look.price * alike;
+    }
+    return 1 + (gain(alike, looks) - 1) * (1 - kOfNoise / first_) > time / time_alike + kSteps;
+  }
+
   /// Samples by which the contrast of a pixel is found.
   uint32_t first() const { return first_; }
 
@@ -106,6 +120,12 @@ class SampleSpread {
   /// Contrasts grow as samples are added, so that pixels that get more than usual get more than their first ones said.
   static constexpr double kMore = 1.25;
   static constexpr double kRounding = 1e-9;
+  /// What samples of pixels that do with few take beside what their price says, compared with those of usual ones, and
+  /// of those that need more: 0.59 to 0.88, and 1 to 1.33, measured on hall, still, marbles, blades and foliage with 16
+  /// and 64 samples. And what it takes that the first samples go through the scene by themselves.
+  static constexpr double kLitSaved = 0.65, kLitDearer = 1.3, kSteps = 0.03;
+  /// Of the gain, by contrasts that know nothing of those by which samples were given, on these, fan and glass.
+  static constexpr double kOfNoise = 4;
   /// On the foliage, where all pixels are alike, rounding to the nearest power of two loses 0.5 dB; on the hall these
   /// are within 0.2 dB of the best.
   static constexpr double kClearlyLess = 0.25, kClearlyMore = 1.5;

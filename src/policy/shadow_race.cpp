@@ -63,10 +63,10 @@ struct Tally {
 }  // namespace
 
 std::vector<bool> race_shadows(const PixelContext& context, const Shot& shot, ShadingKind shading, const Tracer& tracer,
-                               const DiscreteScene& scene, const ShadingOptions& options, std::vector<bool> receivers) {
+                               const DiscreteScene& scene, const ShadingOptions& options, uint32_t rays_in_pixel,
+                               std::vector<bool> receivers) {
   const ExactShadows shadows(context.shader, tracer, scene, receivers);
-  const uint32_t rays_in_pixel = context.sampler.count(),
-                 count = std::clamp(rays_in_pixel, 2u, static_cast<uint32_t>(Tracer::kMaxPacket));
+  const uint32_t count = std::clamp(rays_in_pixel, 2u, static_cast<uint32_t>(Tracer::kMaxPacket));
   const int samples = std::max(1, static_cast<int>(std::round(options.samples)));
   const Sampler points(SamplerKind::owen_sobol, count, 0);
   Tracer::Workspace workspace;

@@ -84,6 +84,34 @@ TEST(Race, GivesAsManyRaysAsWereFoundToCostTheBudget) {
   EXPECT_NEAR(rays(measured), 8, 1e-9);
 }
 
+TEST(Race, DoesWithoutManyRaysWhereTimeIsShort) {
+  EXPECT_EQ(raced_counts(8, 64), (std::array<uint32_t, 3>{2, 8, 32}));
+  EXPECT_EQ(raced_counts(8, 64, true), (std::array<uint32_t, 3>{2, 8, 0}));
+  Race race(64, RayPrices{}, false, std::nullopt);
+  RacedPixel pixel = raced(2, 0.1, 1, 0.5);
+  pixel.tc[2] = {};
+  for (int i = 0; i < 100; ++i) race.add(pixel);
+  ASSERT_TRUE(race.give(*race.lane(2), 1));
+  EXPECT_NEAR(race.winner(2)->mean_rays(), 16, 1e-9) << "half as dear";
+  EXPECT_NEAR(race.tc_error(*race.lane(2)), 0.025, 1e-9) << "as the error fell up to 8";
+}
+
+TEST(SampleSpread, PaysInLitPicturesWhereTheyAreVeryUneven) {
+  const auto pays = [](uint32_t budget, const std::vector<PixelLook>& seen) {
+    return SampleSpread(budget / 2, 16 * budget, budget, seen).pays_if_lit(budget, seen);
+  };
+  std::vector<PixelLook> alike, uneven, fairly;
+  for (int i = 0; i < 100; ++i) {
+    alike.push_back({0.5, 1});
+    uneven.push_back({i < 90 ? 1e-4 : 2, 1});
+    fairly.push_back({i < 30 ? 0.01 : i < 90 ? 0.1 : 0.5, 1});
+  }
+  EXPECT_FALSE(pays(16, alike)) << "nothing is won";
+  EXPECT_TRUE(pays(16, uneven));
+  EXPECT_FALSE(pays(16, fairly)) << "contrasts of eight noisy samples";
+  EXPECT_TRUE(pays(64, fairly));
+}
+
 TEST(Race, CorrectsTheStillLayerWhereThatIsWorthIt) {
   const auto raced_both = [](double corrected_error) {
     Race race(64, RayPrices{}, false, 0.5);
