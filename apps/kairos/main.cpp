@@ -7,6 +7,7 @@
 #include <new>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -57,6 +58,18 @@ std::string version_text() {
                      kernels);
 }
 
+/// What is wrong with the arguments, and where the right ones are described.
+std::string usage_message(const CLI::App& app, const CLI::ParseError& error, std::string_view first) {
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  if (!chosen.empty()) return fmt::format("{} (see kairos {} --help)", error.what(), chosen.front()->get_name());
+  if (first.starts_with('-')) return fmt::format("{} (see kairos --help)", error.what());
+  std::string names;
+  for (const CLI::App* subcommand : app.get_subcommands({}))
+    names += (names.empty() ? "" : ", ") + subcommand->get_name();
+  return fmt::format("{}; the subcommands are {} (see kairos --help)",
+                     first.empty() ? "a subcommand is required" : fmt::format("'{}' is no subcommand", first), names);
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Kairos: ray tracing in which time is integrated exactly", "kairos");
   app.set_version_flag("--version", version_text(), "Print the version, with what it was built, and end");
@@ -83,7 +96,7 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);
-    return fail(kBadUsage, std::string(e.what()) + " (try kairos --help, kairos render --help)");
+    return fail(kBadUsage, usage_message(app, e, argc > 1 ? argv[1] : ""));
   }
   chosen();
   // What a full disk or a closed pipe swallowed is only known now.

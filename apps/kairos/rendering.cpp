@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 #include <set>
+#include <vector>
 
 #include <kairos/error.h>
 #include <kairos/files.h>
@@ -36,6 +37,25 @@ uint64_t total_rays(const RenderParams& params, const Shot& shot) {
   const int per_pixel = params.integrator == IntegratorKind::tc ? params.tc_rays : params.spp;
   return static_cast<uint64_t>(crop.x1 - crop.x0) * static_cast<uint64_t>(crop.y1 - crop.y0) *
          static_cast<uint64_t>(per_pixel);
+}
+
+/// What is asked for in vain, or is hardly meant.
+std::vector<std::string> doubtful_wishes(const RenderArguments& arguments) {
+  const RenderParams& params = arguments.sampling.params;
+  const bool over_time = params.integrator != IntegratorKind::qmc;
+  std::vector<std::string> notes;
+  if (params.shadows == Shadows::exact && !(over_time && is_lit(params.shading)))
+    notes.push_back("--shadows exact does nothing here: it is for lit pictures by tc, mixed or auto");
+  if (params.mirrors == Mirrors::exact && !(over_time && params.shading == ShadingKind::whitted))
+    notes.push_back("--mirrors exact does nothing here: it is for --shading whitted by tc, mixed or auto");
+  if (params.cells == Cells::on && !is_lit(params.shading))
+    notes.push_back("--cells on does nothing here: it is for lit pictures");
+  constexpr double kLikelyAngle = 45;
+  if (const auto& shutter = arguments.scene.shutter;
+      shutter && shutter->length && !shutter->length->seconds && shutter->length->value >= kLikelyAngle)
+    notes.push_back(
+        fmt::format("the shutter is open for {0:g} frames; an angle is written {0:g}deg", shutter->length->value));
+  return notes;
 }
 
 /// Which of how many jobs.
@@ -188,8 +208,9 @@ const Frame& Rendering::frame_of(const FrameJob& job) {
                               shot.meshes.size(), triangle_count(shot.meshes), timings_.load + frame_->seconds,
                               size.width, size.height, shot.shutter_open, shot.shutter_close));
   if (frame_->exposed.shutter) say(arguments_, shutter_text(*frame_->exposed.shutter, size.width, size.height));
-  for (const std::string& note : shot.notes)
-    if (told_.insert(note).second) say(arguments_, "note: " + note);
+  for (const std::vector<std::string>& notes : {shot.notes, doubtful_wishes(arguments_)})
+    for (const std::string& note : notes)
+      if (told_.insert(note).second) say(arguments_, "note: " + note);
   return *frame_;
 }
 

@@ -96,6 +96,26 @@ TEST_F(CliUsage, BadUsageIsStatusTwoAndOneLine) {
   EXPECT_EQ(files(), 4u) << "nothing was written";
 }
 
+TEST_F(CliUsage, BadUsageNamesTheHelpThatHelps) {
+  EXPECT_THAT(run("paint scene.json").err,
+              testing::HasSubstr("'paint' is no subcommand; the subcommands are render, "));
+  EXPECT_THAT(run("").err, testing::HasSubstr("a subcommand is required; the subcommands are render, "));
+  EXPECT_THAT(run("expose").err, testing::HasSubstr("FILE is required (see kairos expose --help)"));
+  EXPECT_THAT(run("--unknown").err, testing::HasSubstr("is required (see kairos --help)"));
+}
+
+TEST_F(CliUsage, WhatIsAskedForInVainIsTold) {
+  const auto told = [&](const std::string& options) {
+    return run("render scene.json -o a.exr --size 8x8 --spp 1 " + options).err;
+  };
+  EXPECT_THAT(told("--integrator qmc --shadows exact"), testing::HasSubstr("note: --shadows exact does nothing here"));
+  EXPECT_THAT(told("--shading path --mirrors exact"), testing::HasSubstr("note: --mirrors exact does nothing here"));
+  EXPECT_THAT(told("--shading flat --cells on"), testing::HasSubstr("note: --cells on does nothing here"));
+  EXPECT_THAT(told("--shading whitted --shadows exact --mirrors exact --cells on --shutter 180deg"),
+              testing::Not(testing::AnyOf(testing::HasSubstr("does nothing"), testing::HasSubstr("an angle"))));
+  EXPECT_THAT(told("--shutter 180"), testing::HasSubstr("open for 180 frames; an angle is written 180deg"));
+}
+
 TEST_F(CliUsage, DecimalsAreDecimal) {
   const CliResult result = run("render scene.json -o a.exr --integrator qmc --spp 010 --stats-file s.json");
   EXPECT_EQ(result.status, 0) << result.err;
