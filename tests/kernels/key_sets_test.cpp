@@ -60,6 +60,10 @@ TEST_P(KeySets, EveryMeshMovesByItsOwnKeys) {
     }
     const Tracer exact(meshes, {Precision::exact, GetParam()}), fast(meshes, {Precision::fast, GetParam()});
     Tracer::Workspace workspace, together;
+    constexpr int kInstants = 16;
+    const auto time_of = [](int k) { return (static_cast<float>(k) + 0.5f) / kInstants; };
+    std::vector<Mesh> standing;  // [instant]
+    for (int k = 0; k < kInstants; ++k) standing.push_back(merged_at(meshes, time_of(k)));
     for (int i = 0; i < 40; ++i) {
       const Ray middle = test::random_ray(random);
       std::uniform_real_distribution<float> uniform(-0.02f, 0.02f);
@@ -71,9 +75,9 @@ TEST_P(KeySets, EveryMeshMovesByItsOwnKeys) {
       const auto packet = fast.trace_packet(rays, Visibility::visible, together);
       for (size_t r = 0; r < rays.size(); ++r) {
         const auto single = exact.trace(rays[r], Visibility::visible, workspace);
-        for (int k = 0; k < 16; ++k) {
-          const float time = (static_cast<float>(k) + 0.5f) / 16;
-          const int64_t want = test::nearest_at(merged_at(meshes, time), rays[r], time);
+        for (int k = 0; k < kInstants; ++k) {
+          const float time = time_of(k);
+          const int64_t want = test::nearest_at(standing[static_cast<size_t>(k)], rays[r], time);
           const auto seen_at = [&](std::span<const Segment> segments) {
             for (const Segment& s : segments)
               if (s.begin <= time && time < s.end) return static_cast<int64_t>(s.mesh * kTriangles + s.triangle);
