@@ -12,8 +12,8 @@
 
 #include "error_matchers.h"
 #include "image/texture.h"
+#include "render/busy_shot.h"
 #include "seed.h"
-#include "soup.h"
 #include "whitted_scene.h"
 
 namespace kairos {
@@ -23,23 +23,8 @@ constexpr int kWidth = 24, kHeight = 16;
 constexpr double kOpen = 2, kClose = 2.5;  // of shots, scene time
 
 Shot shot_of(std::mt19937& random, bool blended) {
-  Shot shot;
-  for (const test::Motion motion : {test::Motion::still, test::Motion::deform, test::Motion::translation}) {
-    Mesh mesh = test::random_soup(random, motion, 6);
-    if (motion == test::Motion::still) mesh.positions.resize(1);
-    mesh.material = static_cast<uint32_t>(shot.meshes.size());
-    shot.meshes.push_back(std::move(mesh));
-  }
-  shot.materials.resize(shot.meshes.size());
-  for (size_t m = 0; m < shot.materials.size(); ++m)
-    shot.materials[m].base_color = {1.0f / static_cast<float>(m + 1), static_cast<float>(m) / 2, 0.5f};
-  if (blended) {
-    shot.materials[2].alpha = 0.3f;
-    shot.materials[2].alpha_mode = Material::AlphaMode::blend;
-  }
-  shot.background = {0.2f, 0.4f, 0.1f};
-  shot.projection.width = kWidth;
-  shot.projection.height = kHeight;
+  Shot shot = test::busy_shot(random, {test::Motion::still, test::Motion::deform, test::Motion::translation}, blended,
+                              kWidth, kHeight);
   shot.shutter_open = kOpen;
   shot.shutter_close = kClose;
   return shot;

@@ -16,8 +16,8 @@
 #include "integrators/integrator.h"
 #include "motion/motion_mask.h"
 #include "motion/screen_motion.h"
+#include "render/busy_shot.h"
 #include "seed.h"
-#include "soup.h"
 #include "whitted_scene.h"
 
 namespace kairos::over_time_test {
@@ -54,25 +54,9 @@ std::map<std::pair<int, int>, Kept> look_at(const Shot& shot, const RenderParams
 }
 
 Shot busy_shot(std::mt19937& random, bool blended) {
-  Shot shot;
-  for (const test::Motion motion :
-       {test::Motion::still, test::Motion::deform, test::Motion::translation, test::Motion::still}) {
-    Mesh mesh = test::random_soup(random, motion, 6);
-    if (motion == test::Motion::still) mesh.positions.resize(1);
-    mesh.material = static_cast<uint32_t>(shot.meshes.size());
-    shot.meshes.push_back(std::move(mesh));
-  }
-  shot.materials.resize(shot.meshes.size());
-  for (size_t m = 0; m < shot.materials.size(); ++m)
-    shot.materials[m].base_color = {1.0f / static_cast<float>(m + 1), static_cast<float>(m % 3) / 2, 0.5f};
-  if (blended) {
-    shot.materials[2].alpha = 0.3f;
-    shot.materials[2].alpha_mode = Material::AlphaMode::blend;
-  }
-  shot.background = {0.2f, 0.4f, 0.1f};
-  shot.projection.width = kWidth;
-  shot.projection.height = kHeight;
-  return shot;
+  return test::busy_shot(random,
+                         {test::Motion::still, test::Motion::deform, test::Motion::translation, test::Motion::still},
+                         blended, kWidth, kHeight);
 }
 
 /// A floor and a flying ball under a lamp.

@@ -10,33 +10,20 @@
 #include <kairos/picture.h>
 #include <kairos/render.h>
 
+#include "render/busy_shot.h"
 #include "seed.h"
-#include "soup.h"
 
 namespace kairos::records_test {
 namespace {
 
 constexpr int kWidth = 24, kHeight = 16;
 
-/// Still and moving triangles that hide each other, in front of a background; every third mesh is blended.
+/// Still and moving triangles that hide each other, in front of a background; the third mesh is blended.
 Shot busy_shot(std::mt19937& random) {
-  Shot shot;
-  for (const test::Motion motion : {test::Motion::still, test::Motion::deform, test::Motion::translation,
-                                    test::Motion::still, test::Motion::violent}) {
-    Mesh mesh = test::random_soup(random, motion, 6);
-    if (motion == test::Motion::still) mesh.positions.resize(1);
-    mesh.material = static_cast<uint32_t>(shot.meshes.size());
-    shot.meshes.push_back(std::move(mesh));
-  }
-  shot.materials.resize(shot.meshes.size());
-  for (size_t m = 0; m < shot.materials.size(); ++m)
-    shot.materials[m].base_color = {1.0f / static_cast<float>(m + 1), static_cast<float>(m % 3) / 2, 0.5f};
-  shot.materials[2].alpha = 0.3f;
-  shot.materials[2].alpha_mode = Material::AlphaMode::blend;
-  shot.background = {0.2f, 0.4f, 0.1f};
-  shot.projection.width = kWidth;
-  shot.projection.height = kHeight;
-  return shot;
+  return test::busy_shot(random,
+                         {test::Motion::still, test::Motion::deform, test::Motion::translation, test::Motion::still,
+                          test::Motion::violent},
+                         true, kWidth, kHeight);
 }
 
 RenderParams params_of(IntegratorKind kind, uint64_t seed) {
