@@ -33,7 +33,9 @@ if(NOT KAIROS_SANITIZE)
     $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE> $<$<NOT:$<CONFIG:Debug>>:-D_FORTIFY_SOURCE=2>)  # which needs optimisation
 endif()
 if(KAIROS_SANITIZE)
-  target_compile_options(kairos_options INTERFACE -fsanitize=${KAIROS_SANITIZE} -fno-omit-frame-pointer)
+  # Of what debuggers read, reports of sanitizers need the lines alone, and a tenth of the time to compile goes into the rest.
+  target_compile_options(kairos_options INTERFACE -fsanitize=${KAIROS_SANITIZE} -fno-omit-frame-pointer
+    $<$<NOT:$<CONFIG:Debug>>:-g1>)
   target_link_options(kairos_options INTERFACE -fsanitize=${KAIROS_SANITIZE})
   if(KAIROS_SANITIZE MATCHES "undefined")
     target_compile_options(kairos_options INTERFACE -fno-sanitize-recover=all)
