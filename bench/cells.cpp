@@ -1,16 +1,17 @@
 // What light that is shared through cells of surfaces is worth: error and time of discrete and time-continuous rays,
 // each with and without, those of tc and auto also where `--cells auto` thinks best, and how much of the error is bias.
-// One thread, processor time without what is looked at beforehand; crops should have edges that are multiples of 64,
-// since light is shared in squares of so many pixels.
+// One thread, processor time; what is looked at and raced beforehand counts by the crop's share of the frame. Crops
+// should have edges that are multiples of 64, since light is shared in squares of so many pixels.
 //
 // usage: bench_cells SCENE... [--size WxH] [--crop X0,X1,Y0,Y1] [--shading NAME] [--spp A,B,...] [--tc RxN,...]
-//                    [--auto A,B,...] [--seeds N] [--reference SPP]
+//                    [--auto A,B,...] [--cells off,auto,on] [--seeds N] [--reference SPP]
 //
-// Prints for each picture microseconds and shading samples per pixel, its error in dB (values above 1 count as 1), the
-// gain over discrete samples without cells in the same time, on straight lines of dB over the logarithm of time, and
-// the share of bias in the squared error. Errors are against the mean of 2 x SPP discrete samples without cells, less
-// what that has itself. The bias is the mean of (A1 - U1)(A2 - U2) over pixels and channels, where A1, A2 are pictures
-// of different seeds and U1, U2 the halves of the reference: noise of all four cancels.
+// Prints for each picture, in Markdown, microseconds per pixel (of which before the picture, as a share), its error in
+// dB (values above 1 count as 1), the gain over discrete samples in the same time, without cells and with, on straight
+// lines of dB over the logarithm of time, and the share of bias in the squared error. Errors are against the mean of 2
+// x SPP discrete samples without cells, less what that has itself. The bias is the mean of (A1 - U1)(A2 - U2) over
+// pixels and channels, where A1, A2 are pictures of different seeds and U1, U2 the halves of the reference: noise of
+// all four cancels.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -48,7 +49,7 @@ double decibels(double square) { return square > 0 ? -10 * std::log10(square) : 
 
 struct Row {
   std::string name;
-  double microseconds = 0, samples = 0, square = 0, bias = 0;
+  double microseconds = 0, before = 0, square = 0, bias = 0;
 };
 
 double at_time(const std::vector<Row>& rows, double microseconds) {  // dB, of rows of rising time
@@ -67,6 +68,7 @@ class Bench {
     params_.threads = 1;
     const Crop crop = params_.crop.value_or(Crop{0, shot.projection.width, 0, shot.projection.height});
     pixels_ = static_cast<double>(crop.x1 - crop.x0) * (crop.y1 - crop.y0);
+    frame_pixels_ = static_cast<double>(shot.projection.width) * shot.projection.height;
     RenderParams reference = params_;
     reference.integrator = IntegratorKind::qmc;
     reference.spp = reference_spp;
@@ -78,7 +80,8 @@ class Bench {
     mean_ = halves_[0];
     for (size_t i = 0; i < mean_.size(); ++i) mean_[i] = (mean_[i] + halves_[1][i]) / 2;
     own_ = mean_product(halves_[0], halves_[1], halves_[0], halves_[1]) / 4;
-    fmt::print("reference: {:.2f} dB\n", decibels(own_));
+    fmt::print("{} seeds, reference {:.1f} dB\n\n", seeds, decibels(own_));
+    std::fflush(stdout);
   }
 
   Row measure(const std::string& name, RenderParams params) {
@@ -89,8 +92,9 @@ class Bench {
       params.seed = static_cast<uint64_t>(seed);
       RenderStats stats;
       pictures.push_back(shown(renderer_.render(params, &stats)));
-      times.push_back((stats.render_cpu_seconds - stats.prepare_cpu_seconds) / pixels_ * 1e6);
-      row.samples = static_cast<double>(stats.shading_samples) / pixels_;
+      const double before = stats.prepare_cpu_seconds / frame_pixels_ * 1e6;
+      times.push_back((stats.render_cpu_seconds - stats.prepare_cpu_seconds) / pixels_ * 1e6 + before);
+      row.before += before / seeds_;
       row.square += (mean_product(pictures.back(), mean_, pictures.back(), mean_) - own_) / seeds_;
     }
     std::sort(times.begin(), times.end());
@@ -108,48 +112,58 @@ class Bench {
   Renderer renderer_;
   RenderParams params_;
   int seeds_;
-  double pixels_ = 0, own_ = 0;
+  double pixels_ = 0, frame_pixels_ = 0, own_ = 0;
   Values halves_[2], mean_;
 };
 
 void report(Bench& bench, const std::vector<int>& budgets, const std::vector<std::string>& tc,
-            const std::vector<int>& automatic) {
-  std::vector<Row> discrete, others;
-  for (const int spp : budgets)
-    for (const Cells cells : {Cells::off, Cells::on}) {
+            const std::vector<int>& automatic, const std::vector<std::string>& cells) {
+  fmt::print("| | µs per pixel | error | over discrete | over discrete, cells | bias |\n|{}\n",
+             " --- | --- | --- | --- | --- | --- |");
+  std::vector<Row> discrete, shared;
+  const auto measure = [&](const std::string& name, const RenderParams& params) {
+    const Row row = bench.measure(name, params);
+    if (params.integrator == IntegratorKind::qmc) (params.cells == Cells::off ? discrete : shared).push_back(row);
+    return row;
+  };
+  const auto print = [&](const Row& row) {
+    const auto over = [&](const std::vector<Row>& rows) {
+      return rows.size() < 2 ? std::string()
+                             : fmt::format("{:+.1f}", decibels(row.square) - at_time(rows, row.microseconds));
+    };
+    fmt::print("| {} | {:.1f} ({:.0f} %) | {:.1f} dB | {} | {} | {:.0f} % |\n", row.name, row.microseconds,
+               100 * row.before / row.microseconds, decibels(row.square), over(discrete), over(shared),
+               100 * row.bias / row.square);
+    std::fflush(stdout);
+  };
+  for (const Cells on : {Cells::off, Cells::on}) {
+    std::vector<Row> rows;
+    for (const int spp : budgets) {
       RenderParams params = bench.params();
       params.integrator = IntegratorKind::qmc;
       params.spp = spp;
-      params.cells = cells;
-      const bool shared = cells == Cells::on;
-      (shared ? others : discrete)
-          .push_back(bench.measure(fmt::format("qmc {}{}", spp, shared ? " cells" : ""), params));
+      params.cells = on;
+      rows.push_back(measure(fmt::format("{} discrete{}", spp, on == Cells::on ? ", cells" : ""), params));
     }
+    for (const Row& row : rows) print(row);
+  }
   for (const std::string& text : tc)
-    for (const Cells cells : {Cells::off, Cells::automatic, Cells::on}) {
+    for (const std::string& kind : cells) {
       RenderParams params = bench.params();
       params.integrator = IntegratorKind::tc;
       if (std::sscanf(text.c_str(), "%dx%d", &params.tc_rays, &params.shading_samples) != 2)
         throw Error(ErrorCode::bad_usage, "--tc", "give it as RAYSxSAMPLES");
-      params.cells = cells;
-      others.push_back(bench.measure(fmt::format("tc {}, {}", text, to_string(cells)), params));
+      params.cells = *parse<Cells>(kind);
+      print(measure(fmt::format("`tc` {}, {}", text, kind), params));
     }
   for (const int spp : automatic)
-    for (const Cells cells : {Cells::off, Cells::automatic, Cells::on}) {
+    for (const std::string& kind : cells) {
       RenderParams params = bench.params();
       params.integrator = IntegratorKind::automatic;
       params.spp = spp;
-      params.cells = cells;
-      others.push_back(bench.measure(fmt::format("auto {}, {}", spp, to_string(cells)), params));
+      params.cells = *parse<Cells>(kind);
+      print(measure(fmt::format("{} `auto`, {}", spp, kind), params));
     }
-  fmt::print("                       us/px  samples/px      dB    gain  bias\n");
-  const auto print = [&](const Row& row) {
-    fmt::print("{:20} {:7.2f}  {:10.2f}  {:6.2f}  {:+6.2f}  {:4.0f} %\n", row.name, row.microseconds, row.samples,
-               decibels(row.square), decibels(row.square) - at_time(discrete, row.microseconds),
-               100 * row.bias / row.square);
-  };
-  for (const Row& row : discrete) print(row);
-  for (const Row& row : others) print(row);
 }
 
 int run(int argc, char** argv) {
@@ -157,13 +171,14 @@ int run(int argc, char** argv) {
   const ShotChoice choice(app, "640x360");
   std::string crop, shading = "whitted";
   std::vector<int> budgets{4, 16, 64}, automatic;
-  std::vector<std::string> tc{"2x8", "4x8", "8x8", "16x8"};
+  std::vector<std::string> tc{"2x8", "4x8", "8x8", "16x8"}, cells{"off", "auto", "on"};
   int seeds = 2, reference = 512;
   app.add_option("--crop", crop);
   app.add_option("--shading", shading);
   app.add_option("--spp", budgets)->delimiter(',');
   app.add_option("--tc", tc)->delimiter(',');
   app.add_option("--auto", automatic)->delimiter(',');
+  app.add_option("--cells", cells)->delimiter(',')->check(CLI::IsMember({"off", "auto", "on"}));
   app.add_option("--seeds", seeds)->check(CLI::Range(2, 1000));
   app.add_option("--reference", reference)->check(CLI::Range(1, 1 << 16));
   CLI11_PARSE(app, argc, argv);
@@ -177,7 +192,7 @@ int run(int argc, char** argv) {
       throw Error(ErrorCode::bad_usage, "--crop", "give it as X0,X1,Y0,Y1");
   }
   Bench bench(shot, params, seeds, reference);
-  report(bench, budgets, tc, automatic);
+  report(bench, budgets, tc, automatic, cells);
   return 0;
 }
 

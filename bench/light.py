@@ -6,13 +6,15 @@
     bench/light.py FOLDER --scan
     bench/light.py FOLDER --shadow-prices [--scenes shade]
     bench/light.py FOLDER --ground
+    bench/light.py FOLDER --film [--scenes kitchen,...] [--seeds 2] [--reference 256]
 
 FOLDER: where scenes are, or are made, and pictures go. Prints a table in Markdown: decibels against discrete samples (two pictures of --reference samples, whose own
 noise is taken off; values above 1 count as 1), in seconds of processor time of one thread without loading and building, and the gain over discrete
 samples on straight lines of decibels over the logarithm of time; medians over seeds. Below, which method loses where. With --scan it looks instead for pixels that are
 negative or no number in pictures of few samples of all scenes by all integrators, and ends with status 1 where it finds one. With --shadow-prices it
 measures what exact and sampled shadows cost, in nanoseconds, for the constants of src/policy/ray_prices.h and shadow_race.cpp. With --ground it compares what
-the sun brings to the ground under the blades, discrete and exact in time, where the ground alone is seen.
+the sun brings to the ground under the blades, discrete and exact in time, where the ground alone is seen. With --film it runs bench_cells, which lies beside
+kairos, on bands of pictures of film size: what light that pixels share is worth there, over discrete samples without it and with it.
 
 Needs Python's standard library alone.
 """
@@ -31,6 +33,10 @@ import zlib
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SCENES = {"glass": "glass/scene.json", "marbles": "marbles/scene.json", "hall": "hall/scene.json", "still": "still/scene.json", "fan": "fan/scene.json",
           "shade": "shade/scene.json", "mirrors": "mirrors/scene.json", "foliage": "foliage/scene.json", "blades": "blades/scene.json", "kitchen": "kitchen/scene.pbrt"}
+# Of film size: file, size, and a band across it of whole squares of 64 pixels.
+FILM = {"kitchen": ("kitchen/scene.pbrt", "960x540", "0,960,256,320"), "fast kitchen": ("kitchen/fast.pbrt", "960x540", "0,960,256,320"),
+        "terrain": ("terrain/scene.json", "960x540", "0,960,256,320"), "swarm": ("swarm/scene.json", "960x540", "0,960,256,320"),
+        "foliage": ("foliage/scene.json", "640x360", "0,640,128,192"), "hall": ("hall/scene.json", "640x360", "0,640,192,256")}
 OPTIONS = {"hall": ["--frame", "6"]}
 
 
@@ -90,7 +96,7 @@ class Renderer:
         folder = pathlib.Path(self.args.folder)
         path = folder / SCENES[name]
         if not path.exists():
-            subprocess.run([sys.executable, ROOT / "tools/make_scenes.py", name, "-o", folder], check=True, stdout=subprocess.DEVNULL)
+            subprocess.run([sys.executable, ROOT / "tools/make_scenes.py", SCENES[name].split("/")[0], "-o", folder], check=True, stdout=subprocess.DEVNULL)
         return path if path.exists() else None
 
     def render(self, name, *options):
@@ -104,6 +110,10 @@ class Renderer:
         subprocess.run([self.args.kairos, "render", str(self.scene(name)), "-o", out, "--shading", self.args.shading, "--size", self.args.size,
                         "--threads", "1", "--quiet", "--stats-file", file, *OPTIONS.get(name, []), *map(str, options)], check=True)
         return json.loads(pathlib.Path(file).read_text())
+
+
+def commit_name():
+    return subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
 
 
 def squared(a, b):
@@ -138,6 +148,20 @@ def ground(renderer, args):
                           + [(f"`mixed`, {n} rays and {4 * n} samples", ["--integrator", "mixed", "--tc-rays", n, "--spp", 4 * n]) for n in (2, 4, 8, 16)]):
         time, level = measured(*options, "--shadows", "exact")
         print(f"| {text}, exact shadows | {level:.1f} dB in {time:.3f} s | {gain(discrete, time, level):+.1f} dB |", flush=True)
+
+
+def film(renderer, args):
+    commit = commit_name()
+    for name in args.scenes:
+        file, size, crop = FILM[name]
+        SCENES[name] = file
+        if not renderer.scene(name):
+            print(f"{name}: left out, it is not there\n")
+            continue
+        print(f"{name}, {size}, --crop {crop}, commit {commit}, ", end="", flush=True)
+        subprocess.run([pathlib.Path(args.kairos).parent / "bench_cells", renderer.scene(name), "--size", size, "--crop", crop, *OPTIONS.get(name, []), "--spp", "16,64",
+                        "--tc", "4x8,8x8", "--auto", "16,64", "--cells", "off,auto", "--seeds", str(max(2, args.seeds)), "--reference", str(args.reference)], check=True)
+        print()
 
 
 def methods(budget):
@@ -225,7 +249,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder")
     parser.add_argument("--kairos", default=str(ROOT / "build/release/bin/kairos"))
-    parser.add_argument("--scenes", default=",".join(SCENES), type=lambda text: text.split(","))
+    parser.add_argument("--scenes", type=lambda text: text.split(","))
     parser.add_argument("--methods", default="auto,mixed,tc", type=lambda text: text.split(","))
     parser.add_argument("--size", default="320x180")
     parser.add_argument("--budgets", default="16,64", type=lambda text: [int(n) for n in text.split(",")])
@@ -235,11 +259,15 @@ def main():
     parser.add_argument("--scan", action="store_true")
     parser.add_argument("--shadow-prices", action="store_true")
     parser.add_argument("--ground", action="store_true")
+    parser.add_argument("--film", action="store_true")
     args = parser.parse_args()
+    args.scenes = args.scenes or list(FILM if args.film else SCENES)
     os.makedirs(args.folder, exist_ok=True)
     renderer = Renderer(args)
     if args.scan:
         return 1 if scan(renderer, args) else 0
+    if args.film:
+        return film(renderer, args)
     if args.ground:
         return ground(renderer, args)
     if args.shadow_prices:
@@ -247,7 +275,7 @@ def main():
         return shadow_prices(renderer, args)
     if len(args.budgets) < 2:
         parser.error("it takes two budgets to tell what the time of a third is worth")
-    commit = subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
+    commit = commit_name()
     print(f"{args.size}, budgets {', '.join(map(str, args.budgets))}, {args.seeds} seeds, 2 x {args.reference} discrete samples as reference, "
           f"--shading {args.shading}, commit {commit}. dB in seconds (gain over discrete samples in that time).\n")
     shown = ["discrete", *(m for m in ("auto", "mixed", "tc") if m in args.methods)]

@@ -12,6 +12,7 @@
 #include "math/hash.h"
 #include "motion/common_motion.h"
 #include "policy/duel.h"
+#include "policy/shadow_prices.h"
 
 namespace kairos {
 
@@ -21,25 +22,32 @@ namespace {
 constexpr uint32_t kSlices = 4;
 /// What is raced. Cells that are too small are seen by few, those that are too large blur light: which comes first
 /// depends on how much noise there is, and so on the scene and its budget.
-constexpr CellOptions kAsOne[] = {{1, 0.5, 1, true}, {2, 0.25, 1, true}, {4, 0.25, 1, true}, {8, 0.25, 1, true}};
+constexpr CellOptions kAsOne[] = {
+    {1, 0.25, 1, true}, {2, 0.25, 1, true}, {4, 0.25, 1, true}, {4, 0.125, 1, true}, {8, 0.25, 1, true}};
 constexpr CellOptions kAmongLights[] = {
     {4, 0.5, 1, false}, {4, 0.5, kSlices, false}, {8, 0.25, 1, false}, {8, 0.5, kSlices, false}};
 /// Without a race.
 constexpr size_t kUsual = 1;
-/// What the candidates are compared by: time, as if to trace a look-up cost as much as to shade it, and error, of which
-/// visibility has a part that is half as large as that of light which every look-up asks for.
-double cost(const CellOptions& cells, double shared_error, double alone_error) {
-  return (1 + cells.rate) * (shared_error + alone_error / 2);
+/// How many times as long as to trace a look-up and to find its cell (in nanoseconds) it takes to shade it.
+double shading_price(const Shot& shot, ShadingKind shading) {
+  constexpr double kLookUpTime = 900;
+  return (lit_sample_time(shot, shading) + weighing_time(shot)) / kLookUpTime;
 }
 
-/// Squares that are raced hold about one pixel in 48; of the largest of these sizes of which there are so many.
-constexpr uint64_t kPixelsPerRaced = 48, kMostSquares = 16;
+/// What the candidates are compared by: time, and error, of which visibility has a part that is half as large as that
+/// of light which every look-up asks for. price: see shading_price().
+double cost(const CellOptions& cells, double price, double shared_error, double alone_error) {
+  return (1 + cells.rate * price) * (shared_error + alone_error / 2);
+}
+
+/// Squares that are raced hold one pixel in so many; of the first of these sizes of which there are `least`.
 struct Squares {
-  uint64_t side, least;
+  uint64_t side, least, pixels_per_raced;
 };
-constexpr Squares kSquares[] = {{32, 8}, {24, 6}, {16, 3}};
-/// Of whose pixels one in so many, along either side, is looked at.
-constexpr int kStep = 4;
+constexpr Squares kSquares[] = {{32, 8, 48}, {24, 6, 48}, {16, 2, 24}};
+constexpr uint64_t kMostSquares = 16;
+/// Of a square's pixels so many are looked at, along either side.
+constexpr uint64_t kLooksAlong = 8;
 constexpr double kMostRacedLookUps = 1 << 18;
 constexpr uint64_t kCellRaceSeed = 0x4352, kAloneDimension = 0x4341;
 
@@ -60,7 +68,7 @@ class Square {
     first_.push_back(look_ups_.count());
   }
 
-  LookUps& look_ups() { return look_ups_; }
+  const LookUps& look_ups() const { return look_ups_; }
   /// [begin, end) of a pixel's look-ups.
   std::pair<uint32_t, uint32_t> of(size_t pixel) const { return {first_[pixel], first_[pixel + 1]}; }
 
@@ -102,9 +110,7 @@ struct Errors {
 };
 
 /// As a display shows it: of so many samples, those given and others that are dark.
-Vec3f shown(std::span<const Vec3f> colours, uint32_t samples) {
-  Vec3f sum{};
-  for (const Vec3f& colour : colours) sum += colour;
+Vec3f shown(Vec3f sum, uint32_t samples) {
   sum = sum / static_cast<float>(samples);
   for (int c = 0; c < 3; ++c) sum[c] = std::clamp(sum[c], 0.0f, 1.0f);
   return sum;
@@ -112,46 +118,76 @@ Vec3f shown(std::span<const Vec3f> colours, uint32_t samples) {
 
 double product(Vec3f a, Vec3f b) { return static_cast<double>(dot(a, b)); }
 
-/// Of a square's pixels that are looked at. seed: of the square.
-std::vector<Errors> race(const Shader& shader, Square& square, int side, uint32_t samples,
-                         std::span<const CellOptions> candidates, uint64_t seed) {
-  const std::span<const ShadingQuery> queries = square.look_ups().queries();
-  std::vector<size_t> pixels;
-  const auto shift = static_cast<int>(hash(seed) % (uint64_t{kStep} * uint64_t{kStep}));
-  for (int y = shift / kStep; y < side; y += kStep)
-    for (int x = shift % kStep; x < side; x += kStep)
-      pixels.push_back(static_cast<size_t>(y) * static_cast<size_t>(side) + static_cast<size_t>(x));
-  std::vector<Errors> errors(pixels.size());
-  std::vector<std::array<Vec3f, 2>> alone(pixels.size());
-  std::vector<ShadingQuery> own;
-  std::vector<Shade> shades;
-  std::vector<Vec3f> colours;
-  for (size_t i = 0; i < pixels.size(); ++i) {
-    const auto [begin, end] = square.of(pixels[i]);
-    for (uint64_t half = 0; half < 2; ++half) {
-      own.assign(queries.begin() + begin, queries.begin() + end);
-      for (ShadingQuery& query : own) query.key = query.key.branch(kAloneDimension + half);
-      shades.resize(own.size());
-      shader.shade(own, shades);
-      colours.clear();
-      for (const Shade& shade : shades) colours.push_back(shade.colour);
-      alone[i][half] = shown(colours, samples);
+class SquareRace {
+ public:
+  /// samples: look-ups of a pixel.
+  SquareRace(const Shader& shader, uint32_t samples) : shader_(shader), samples_(samples) {}
+
+  /// Of the square's pixels that are looked at. seed: of the square.
+  std::vector<Errors> operator()(const Square& square, uint64_t side, std::span<const CellOptions> candidates,
+                                 uint64_t seed) {
+    choose_pixels(side, seed);
+    alone_.resize(pixels_.size());
+    std::vector<Errors> errors(pixels_.size());
+    for (size_t i = 0; i < pixels_.size(); ++i) {
+      alone_[i] = {shaded_alone(square, pixels_[i], 0), shaded_alone(square, pixels_[i], 1)};
+      errors[i].alone = product(alone_[i][0] - alone_[i][1], alone_[i][0] - alone_[i][1]) / 2;
     }
-    errors[i].alone = product(alone[i][0] - alone[i][1], alone[i][0] - alone[i][1]) / 2;
+    surfaces_.resize(square.look_ups().count());
+    shader_.own_light(square.look_ups().queries(), candidates.front().share_asked, surfaces_);
+    for (const CellOptions& candidate : candidates) add(candidate, square, seed, errors);
+    return errors;
   }
-  for (const CellOptions& candidate : candidates) {
-    SurfaceCells cells(shader, candidate);
-    const std::span<const Vec3f> seen = cells.answer(square.look_ups(), seed);
-    for (size_t i = 0; i < pixels.size(); ++i) {
-      const auto [begin, end] = square.of(pixels[i]);
-      colours.clear();
-      for (uint32_t j = begin; j < end; ++j) colours.push_back(cells.limited(seen[j]));
-      const Vec3f by_cells = shown(colours, samples);
-      errors[i].shared.push_back(product(by_cells - alone[i][0], by_cells - alone[i][1]));
+
+ private:
+  void choose_pixels(uint64_t side, uint64_t seed) {
+    pixels_.clear();
+    const uint64_t step = std::max<uint64_t>(1, side / kLooksAlong), shift = hash(seed) % (step * step);
+    for (uint64_t y = shift / step; y < side; y += step)
+      for (uint64_t x = shift % step; x < side; x += step) pixels_.push_back(y * side + x);
+  }
+
+  /// What a pixel shows if each of its look-ups asks for light by itself.
+  Vec3f shaded_alone(const Square& square, size_t pixel, uint64_t half) {
+    const auto [begin, end] = square.of(pixel);
+    const std::span<const ShadingQuery> queries = square.look_ups().queries().subspan(begin, end - begin);
+    own_.assign(queries.begin(), queries.end());
+    for (ShadingQuery& query : own_) query.key = query.key.branch(kAloneDimension + half);
+    shades_.resize(own_.size());
+    shader_.shade(own_, shades_);
+    Vec3f sum{};
+    for (const Shade& shade : shades_) sum += shade.colour;
+    return shown(sum, samples_);
+  }
+
+  void add(const CellOptions& candidate, const Square& square, uint64_t seed, std::vector<Errors>& errors) {
+    SurfaceCells cells(shader_, candidate);
+    const std::span<const Vec3f> seen = cells.answer(square.look_ups(), surfaces_, seed);
+    for (size_t i = 0; i < pixels_.size(); ++i) {
+      const auto [begin, end] = square.of(pixels_[i]);
+      Vec3f sum{};
+      for (uint32_t j = begin; j < end; ++j) sum += cells.limited(seen[j]);
+      const Vec3f by_cells = shown(sum, samples_);
+      errors[i].shared.push_back(product(by_cells - alone_[i][0], by_cells - alone_[i][1]));
     }
   }
-  return errors;
-}
+
+  const Shader& shader_;
+  uint32_t samples_;
+  std::vector<size_t> pixels_;
+  std::vector<std::array<Vec3f, 2>> alone_;
+  std::vector<SharedSurface> surfaces_;
+  std::vector<ShadingQuery> own_;
+  std::vector<Shade> shades_;
+};
+
+/// What is known of a candidate.
+struct Runner {
+  CellOptions cells;
+  double price = 1;  // see shading_price()
+  Duel duel{};
+  double costs() const { return cost(cells, price, duel.mean_ours(), duel.mean_theirs()); }
+};
 
 }  // namespace
 
@@ -163,48 +199,62 @@ std::optional<CellOptions> choose_cells(const PixelContext& context, const Shot&
   const bool as_one = common_motion(shot).has_value();
   if (open && !context.shader.shares_light(as_one)) return std::nullopt;
 
-  const std::span<const CellOptions> candidates = as_one ? std::span(kAsOne) : std::span(kAmongLights);
+  const std::span<const CellOptions> candidates = as_one ? std::span<const CellOptions>(kAsOne) : kAmongLights;
   const auto width = static_cast<uint64_t>(shot.projection.width),
              height = static_cast<uint64_t>(shot.projection.height);
-  const uint64_t raced = width * height / kPixelsPerRaced;
-  const auto fits = [&](const Squares& squares) {
-    return raced >= squares.least * squares.side * squares.side && std::min(width, height) >= squares.side;
-  };
+  const auto number = [&](const Squares& of) { return width * height / (of.pixels_per_raced * of.side * of.side); };
+  const auto fits = [&](const Squares& of) { return number(of) >= of.least && std::min(width, height) >= of.side; };
   const auto* const squares = std::find_if(std::begin(kSquares), std::end(kSquares), fits);
   if (squares == std::end(kSquares)) return open ? std::nullopt : std::optional(candidates[kUsual]);
   uint64_t side = squares->side;
-  const uint64_t count = std::min(raced / (side * side), kMostSquares);
+  const uint64_t count = std::min(number(*squares), kMostSquares);
   while (side > 1 && look_ups * static_cast<double>(side * side) > kMostRacedLookUps) side /= 2;
   const auto samples =
       static_cast<uint32_t>(std::clamp(std::round(look_ups), 1.0, static_cast<double>(Sampler::kMaxCount)));
   const Sampler sampler(SamplerKind::owen_sobol, samples, hash(params.seed, kCellRaceSeed));
   const Sampler places(SamplerKind::owen_sobol, static_cast<uint32_t>(count), 0);
   const Sampler::Pixel everywhere = places.pixel(0, 0);
-  std::vector<std::vector<Errors>> errors(count);
-  parallel_for(count, 1, [&](size_t begin, size_t end) {
-    Square square(context, scene, sampler);
-    for (size_t i = begin; i < end; ++i) {
-      const SamplePoint at = places.point(everywhere, static_cast<uint32_t>(i));
-      const auto place = [&](float share, uint64_t length) {
-        return static_cast<int>(share * static_cast<float>(length - side + 1));
-      };
-      square.look(place(at.x, width), place(at.y, height), static_cast<int>(side), monitor);
-      errors[i] = race(context.shader, square, static_cast<int>(side), samples, candidates,
-                       hash(params.seed, kCellRaceSeed, i));
-    }
-  });
+
+  const double price = shading_price(shot, params.shading);
+  std::vector<Runner> runners;
+  for (const CellOptions& candidate : candidates) runners.push_back({candidate, price});
+  const auto race = [&](uint64_t first, uint64_t last) {  // squares
+    std::vector<CellOptions> running;
+    for (const Runner& runner : runners) running.push_back(runner.cells);
+    std::vector<std::vector<Errors>> errors(last - first);
+    parallel_for(errors.size(), 1, [&](size_t begin, size_t end) {
+      Square square(context, scene, sampler);
+      SquareRace race_in(context.shader, samples);
+      for (size_t i = begin; i < end; ++i) {
+        const SamplePoint at = places.point(everywhere, static_cast<uint32_t>(first + i));
+        const auto place = [&](float share, uint64_t length) {
+          return static_cast<int>(share * static_cast<float>(length - side + 1));
+        };
+        square.look(place(at.x, width), place(at.y, height), static_cast<int>(side), monitor);
+        errors[i] = race_in(square, side, running, hash(params.seed, kCellRaceSeed, first + i));
+      }
+    });
+    for (const auto& of_square : errors)
+      for (const Errors& pixel : of_square)
+        for (size_t c = 0; c < runners.size(); ++c) runners[c].duel.add(pixel.shared[c], pixel.alone);
+  };
+  // The worse half drops out after the first quarter of the squares.
+  const uint64_t heats = (count + 3) / 4;
+  race(0, heats);
+  if (heats < count) {
+    std::stable_sort(runners.begin(), runners.end(),
+                     [](const Runner& a, const Runner& b) { return a.costs() < b.costs(); });
+    runners.resize((runners.size() + 1) / 2);
+    race(heats, count);
+  }
   std::optional<CellOptions> best;
   double least = std::numeric_limits<double>::infinity();
   bool any_wins = false;
-  for (size_t c = 0; c < candidates.size(); ++c) {
-    Duel duel;
-    for (const auto& of_square : errors)
-      for (const Errors& pixel : of_square) duel.add(pixel.shared[c], pixel.alone);
-    any_wins = any_wins || duel.is_won();
-    const double costs = cost(candidates[c], duel.mean_ours(), duel.mean_theirs());
-    if ((open && !(duel.mean_ours() < duel.mean_theirs())) || !(costs < least)) continue;
-    best = candidates[c];
-    least = costs;
+  for (const Runner& runner : runners) {
+    any_wins = any_wins || runner.duel.is_won();
+    if ((open && !(runner.duel.mean_ours() < runner.duel.mean_theirs())) || !(runner.costs() < least)) continue;
+    best = runner.cells;
+    least = runner.costs();
   }
   return any_wins || !open ? best : std::nullopt;
 }

@@ -35,11 +35,12 @@ class MixedIntegrator : public Integrator {
     if (frame_.automatic && !frame_.mask.empty()) stats.prices = frame_.plan.prices;
     if (known_) return;
     choose_shadows(frame_, monitor);
-    look_around(frame_, monitor, stats);
     if (frame_.shading.clusters == Clusters::pixel)
       frame_.plan.cells =
           choose_cells(frame_.context, frame_.shot, frame_.params, frame_.scene, frame_.look_ups(), monitor);
     frame_.use_cells();
+    frame_.price_shared_light();
+    look_around(frame_, monitor, stats);
     if (!frame_.params.exposure) parts_.keep_plan(key_, frame_.plan);  // the key does not know exposures
   }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "math/hash.h"
+#include "policy/shadow_prices.h"
 
 namespace kairos {
 
@@ -55,6 +56,15 @@ uint32_t MixedFrame::tc_rays() const {
 }
 
 void MixedFrame::use_cells() { cells = plan_cells(shot, params, plan.cells, look_ups()); }
+
+void MixedFrame::price_shared_light() {
+  if (!plan.cells) return;
+  constexpr double kLookUp = 200;  // nanoseconds, of finding its cell
+  surroundings.light = (surroundings.light + weighing_time(shot)) * plan.cells->rate + kLookUp;
+  if (!automatic || params.calibration || (mask.empty() && context.needs.time != RecordNeeds::Time::segments)) return;
+  plan.prices = estimate_prices(plan.work, surroundings);
+  plan.allotment = Allotment(budget, plan.prices);
+}
 
 void MixedFrame::estimate() {
   if (mask.empty() && context.needs.time != RecordNeeds::Time::segments) return;

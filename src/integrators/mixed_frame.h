@@ -56,7 +56,7 @@ class MixedFrame {
   const DiscreteScene& scene;
   const bool occluder_hints;  ///< are still rays traced first, as occluder hints?
   const Tracer& tracer;
-  const Surroundings surroundings;
+  Surroundings surroundings;
   const bool still_layer_is_empty;  ///< but for a background that is the same everywhere
   const bool any_shows_others;      ///< see Shader::shows_others
 
@@ -68,6 +68,10 @@ class MixedFrame {
   /// As the plan says; to be called whenever it has changed.
   void use_shadows();
   void use_cells();  ///< the same
+  /// Once it is known that light is shared: what rays cost then.
+  void price_shared_light();
+  /// Does the number of a pixel's samples depend on it? Where light is shared its noise is not the pixel's own.
+  bool spreads() const { return spreads_samples(params) && !plan.cells; }
   /// In each pixel, about.
   double look_ups() const;
   /// Of the time-continuous rays of a pixel.

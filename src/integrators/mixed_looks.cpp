@@ -43,7 +43,8 @@ std::vector<LookedAt> look(const MixedFrame& frame, size_t count, Monitor& monit
   std::vector<LookedAt> looks(count);
   std::mutex mutex;  // of stats
   parallel_for(count, kLooksPerTask, [&](size_t begin, size_t end) {
-    MixedWorker worker(frame);
+    LookUps look_ups;
+    MixedWorker worker(frame, frame.plan.cells ? &look_ups : nullptr);
     for (size_t i = begin; i < end; ++i) {
       const auto [x, y] = places[i];
       const bool tc_possible = worker.begin_pixel(x, y, monitor).tc_rays > 0;
@@ -61,7 +62,8 @@ std::vector<LookedAt> look(const MixedFrame& frame, size_t count, Monitor& monit
 double race(MixedFrame& frame, const std::vector<LookPixel>& pixels, double still_share, Monitor& monitor) {
   std::vector<RacedPixel> raced(pixels.size());
   parallel_for(pixels.size(), kLooksPerTask, [&](size_t begin, size_t end) {
-    MixedWorker worker(frame);
+    LookUps look_ups;
+    MixedWorker worker(frame, frame.plan.cells ? &look_ups : nullptr);
     for (size_t i = begin; i < end; ++i) raced[i] = worker.race(pixels[i].x, pixels[i].y, monitor);
   });
   Race& result = frame.plan.race.emplace(frame.budget, frame.plan.prices, frame.params.calibration.has_value(),
@@ -97,7 +99,7 @@ void allot(MixedFrame& frame, const std::vector<LookedAt>& looks, Monitor& monit
     still_rays += look.still_rays;
   }
   const uint32_t first = first_samples(frame.budget), most = most_samples(frame.budget);
-  const bool spreads = spreads_samples(frame.params);
+  const bool spreads = frame.spreads();
   const double gain = spreads ? SampleSpread(first, most, frame.budget, all).gain(frame.budget, rivals) : 1;
   const double still_share = frame.will_race && !rivals.empty() ? still_rays / static_cast<double>(rivals.size()) : 1;
   frame.plan.allotment = Allotment(frame.budget, frame.plan.prices, gain, still_share);
@@ -158,7 +160,7 @@ void look_around(MixedFrame& frame, Monitor& monitor, RenderStats& stats) {
   if (pixels < kLeastPixels) return;
   frame.will_race = frame.automatic && !frame.mask.empty() && !frame.context.needs.over_time() &&
                     frame.plan.prices.tc_ray.front() <= kDearest * frame.budget;
-  if (!frame.will_race && !spreads_samples(frame.params)) return;
+  if (!frame.will_race && !frame.spreads()) return;
   const auto count = std::clamp<uint64_t>(pixels / kPixelsPerLook, kLeastLooks, kMostLooks);
   const std::vector<LookedAt> looks = look(frame, count, monitor, stats);
   allot(frame, looks, monitor);

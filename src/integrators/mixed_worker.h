@@ -90,6 +90,10 @@ class MixedWorker : public Integrator::Worker {
   RowPacket::Rays trace_in_strip(int x, int y, Monitor& monitor);
   void add_still_term(int x, int y, const PixelPlan& plan, Monitor& monitor);
   const Shares& shares_of(int x, int y);
+  /// Gives what waits for light that is shared, of a pixel that is looked at, colours without noise, which is not the
+  /// pixel's own affair. Nothing where light is not shared.
+  void colour_unlit();
+  uint64_t awaited_by_rays() const;
   SampleWork find_sample_work(int x, int y, const Sampler::Pixel& pixel, uint32_t rays, Monitor& monitor);
 
   const MixedFrame& frame_;

@@ -31,6 +31,23 @@ TraceCounters since(const TraceCounters& before, TraceCounters now) {
 
 }  // namespace
 
+void MixedWorker::colour_unlit() {
+  if (look_ups_ == nullptr) return;
+  for (const LookUps::Link& link : look_ups_->links()) {
+    const Knot& knot = record_.knots()[link.knot];
+    const Vec3f colour = context_.shader.unlit_colour(look_ups_->queries()[link.query]);
+    record_.set_knot(link.knot, knot.time, knot.colour + colour, {}, {});
+  }
+  look_ups_->clear();
+}
+
+/// Look-ups of the pixel's time-continuous rays.
+uint64_t MixedWorker::awaited_by_rays() const {
+  const auto sees = [](const PixelRay& ray) { return ray.parts > 0; };
+  const auto still = std::count_if(record_.still_rays().begin(), record_.still_rays().end(), sees);
+  return look_ups_->count() - std::min(look_ups_->count(), static_cast<uint32_t>(still));
+}
+
 MixedWorker::Look MixedWorker::look_at(int x, int y, Monitor& monitor) {
   constexpr uint32_t kRays = 2;  // that say what a sample passes
   const bool moves = frame_.mask.moves(x, y);
@@ -44,6 +61,7 @@ MixedWorker::Look MixedWorker::look_at(int x, int y, Monitor& monitor) {
   }
   record_.begin_pixel(x, y, context_.background);
   contrast_.begin_pixel();
+  if (look_ups_ != nullptr) look_ups_->clear();
   double shadows = 0;
   std::span<const PixelRay> rays;
   if (resting_ && !moves) {
@@ -52,7 +70,7 @@ MixedWorker::Look MixedWorker::look_at(int x, int y, Monitor& monitor) {
     rays = record_.still_rays();
     contrast_.add(record_, rays);
     const double before = resting_->time();
-    resting_->add_exact(here_->still_layer, exact_rays(first), {}, record_);
+    resting_->add_exact(here_->still_layer, exact_rays(first), {}, record_, look_ups_);
     shadows = (resting_->time() - before) / first;
   } else {
     samples_.take(x, y, pixel, 0, first, moves ? DiscreteLayer::all : DiscreteLayer::still, record_, monitor);
@@ -90,7 +108,10 @@ RacedPixel MixedWorker::race(int x, int y, Monitor& monitor) {
   std::array<std::array<Pair, 2>, counts.size()> seen;  // [number of rays][corrected?]
   for (size_t half = 0; half < 2; ++half) {
     const Sampler::Pixel pixel = frame_.race_points[half].pixel(x, y);
-    const auto begin = [&] { record_.begin_pixel(x, y, context_.background, context_.times(x, y).window()); };
+    const auto begin = [&] {
+      record_.begin_pixel(x, y, context_.background, context_.times(x, y).window());
+      if (look_ups_ != nullptr) look_ups_->clear();
+    };
     here_->align = align_points(frame_.mask, x, y);
     here_->still_layer.begin_pixel(x, y, pixel, here_->align);
     for (size_t i = 0; i < result.tc.size(); ++i) {
@@ -98,11 +119,13 @@ RacedPixel MixedWorker::race(int x, int y, Monitor& monitor) {
       begin();
       const uint32_t count = result.tc[i].count;
       const TraceCounters before = workspace_.counters();
-      const uint64_t evaluations = shading_.evaluations(), layers = layers_;
+      const uint64_t known = shading_.evaluations(), layers = layers_;
       render_moving(x, y, pixel, {count, frame_.budget}, false, monitor);
-      const RayWork work(since(before, workspace_.counters()), shading_.evaluations() - evaluations, layers_ - layers,
+      const uint64_t evaluations = shading_.evaluations() - known + (look_ups_ != nullptr ? awaited_by_rays() : 0);
+      const RayWork work(since(before, workspace_.counters()), evaluations, layers_ - layers,
                          frame_.plan.packets.together(count), count);
       result.tc[i].time += count * tc_ray_time(work, around) / 2;
+      colour_unlit();
       PixelRecord record = record_.finish();
       seen[i][1][half] = reduce(record, {}, false).colour;
       record.still = {};
@@ -112,6 +135,7 @@ RacedPixel MixedWorker::race(int x, int y, Monitor& monitor) {
     result.sample_time += sample_time(find_sample_work(x, y, pixel, kRays, monitor), around) / 2;
     begin();
     render_discrete(x, y, pixel, DiscreteLayer::all, monitor);
+    colour_unlit();
     discrete[half] = reduce(record_.finish(), {}, false).colour;
   }
   result.discrete_error = squared_error(discrete);

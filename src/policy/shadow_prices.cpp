@@ -32,4 +32,14 @@ double lit_sample_time(const Shot& shot, ShadingKind shading) {
   return (kShadeTime + kLightRayTime * rays) * (shading == ShadingKind::path ? kPathLength : 1);
 }
 
+double weighing_time(const Shot& shot) {
+  constexpr double kTriangle = 250;
+  constexpr size_t kMostWeighed = 64;  // of more, a tree is asked
+  size_t glowing = 0;
+  for (const Mesh& mesh : shot.meshes)
+    if (mesh.material < shot.materials.size() && shot.materials[mesh.material].emission != Vec3f{})
+      glowing += mesh.triangle_count();
+  return kTriangle * static_cast<double>(std::min(glowing, kMostWeighed));
+}
+
 }  // namespace kairos

@@ -47,6 +47,7 @@ class LookUps {
   }
 
   std::span<ShadingQuery> queries() { return queries_; }
+  std::span<const ShadingQuery> queries() const { return queries_; }
   std::span<const Link> links() const { return links_; }
 
  private:

@@ -120,6 +120,13 @@ Shade Shader::shade_unlit(const Ray& ray, uint32_t mesh, uint32_t triangle, floa
   return shade;
 }
 
+Vec3f Shader::unlit_colour(const ShadingQuery& query) const {
+  const Vec3f n = normal(query.ray, query.mesh, query.triangle, query.time);
+  double width = 0;
+  return look(query.ray, query.mesh, query.triangle, query.time, width).base_colour *
+         Vec3f{std::abs(n.x), std::abs(n.y), std::abs(n.z)};
+}
+
 Shade Shader::shade(const Ray& ray, uint32_t mesh, uint32_t triangle, float time, SampleKey key) const {
   double width = 0;
   Shade shade = shade_unlit(ray, mesh, triangle, time, width);

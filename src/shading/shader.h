@@ -65,6 +65,8 @@ class Shader {
     double width = 0;
     return shade_unlit(ray, mesh, triangle, time, width);
   }
+  /// What stands for the colour of what is lit where its edges matter and its light does not: without noise.
+  Vec3f unlit_colour(const ShadingQuery& query) const;
   bool is_lit() const { return lit_ != nullptr; }
 
   /// Of a lit picture: see LitShading. The query's width is filled in.

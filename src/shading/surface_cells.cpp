@@ -33,8 +33,16 @@ uint64_t hash_of(uint32_t mesh, const std::array<int32_t, 3>& place, uint32_t re
 
 }  // namespace
 
-std::span<const Vec3f> SurfaceCells::answer(LookUps& look_ups, uint64_t seed) {
-  const std::span<ShadingQuery> queries = look_ups.queries();
+std::span<const Vec3f> SurfaceCells::answer(const LookUps& look_ups, uint64_t seed) {
+  own_surfaces_.resize(look_ups.count());
+  shader_.own_light(look_ups.queries(), options_.share_asked, own_surfaces_);
+  return answer(look_ups, own_surfaces_, seed);
+}
+
+std::span<const Vec3f> SurfaceCells::answer(const LookUps& look_ups, std::span<const SharedSurface> surfaces,
+                                            uint64_t seed) {
+  const std::span<const ShadingQuery> queries = look_ups.queries();
+  surfaces_ = surfaces;
   cells_.clear();
   slots_.assign(size_t{1} << 12, kNone);
   assign(queries);
@@ -46,11 +54,9 @@ std::span<const Vec3f> SurfaceCells::answer(LookUps& look_ups, uint64_t seed) {
   return colours_;
 }
 
-void SurfaceCells::assign(std::span<ShadingQuery> queries) {
-  surfaces_.resize(queries.size());
+void SurfaceCells::assign(std::span<const ShadingQuery> queries) {
   cell_of_.resize(queries.size());
   places_.resize(queries.size());
-  shader_.own_light(queries, options_.share_asked, surfaces_);
   for (size_t i = 0; i < queries.size(); ++i) {
     const bool shares = surfaces_[i].reflects != Vec3f{};
     cell_of_[i] = shares ? find(key_of(queries[i], surfaces_[i], places_[i])) : kNone;

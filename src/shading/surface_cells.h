@@ -28,7 +28,9 @@ class SurfaceCells {
 
   /// What the look-ups see, in their order, not yet `limited`; valid until the next call. The same for the same
   /// look-ups and seed.
-  std::span<const Vec3f> answer(LookUps& look_ups, uint64_t seed);
+  std::span<const Vec3f> answer(const LookUps& look_ups, uint64_t seed);
+  /// For those who ask cells of several kinds: what Shader::own_light gives of the look-ups, in their order.
+  std::span<const Vec3f> answer(const LookUps& look_ups, std::span<const SharedSurface> surfaces, uint64_t seed);
 
   Vec3f limited(Vec3f colour) const { return shader_.limited(colour); }
   uint64_t evaluations() const { return evaluations_; }
@@ -54,7 +56,7 @@ class SurfaceCells {
   };
 
   Key key_of(const ShadingQuery& query, const SharedSurface& surface, Place& place) const;
-  void assign(std::span<ShadingQuery> queries);
+  void assign(std::span<const ShadingQuery> queries);
   uint32_t find(const Key& key);
   void grow_table();
   void sort_by_cell();
@@ -66,13 +68,14 @@ class SurfaceCells {
 
   const Shader& shader_;
   CellOptions options_;
-  std::vector<SharedSurface> surfaces_;  // [look-up]
-  std::vector<uint32_t> cell_of_;        // [look-up]; kNone: nothing of it is shared
-  std::vector<uint32_t> slots_;          // [hash]: number of a cell, or kNone; a power of two, less than half full
-  std::vector<Cell> cells_;              // in order of first sight
-  std::vector<uint32_t> in_cells_;       // look-ups, cell by cell
-  std::vector<Place> places_;            // [look-up]
-  std::vector<ShadingQuery> chosen_;     // to be shaded, cell by cell
+  std::vector<SharedSurface> own_surfaces_;
+  std::span<const SharedSurface> surfaces_;  // [look-up]
+  std::vector<uint32_t> cell_of_;            // [look-up]; kNone: nothing of it is shared
+  std::vector<uint32_t> slots_;              // [hash]: number of a cell, or kNone; a power of two, less than half full
+  std::vector<Cell> cells_;                  // in order of first sight
+  std::vector<uint32_t> in_cells_;           // look-ups, cell by cell
+  std::vector<Place> places_;                // [look-up]
+  std::vector<ShadingQuery> chosen_;         // to be shaded, cell by cell
   std::vector<uint32_t> chosen_look_up_;
   std::vector<Vec3f> chosen_light_;
   std::vector<float> brightness_;  // [chosen]: of the light that arrives

@@ -172,10 +172,10 @@ TEST(SurfaceCells, TakeNoiseAndLeaveTheMean) {
 
 /// Of a crop of 32x32 pixels of a frame that is large enough for a race.
 std::vector<float> raced_crop(Shot shot, Cells cells, IntegratorKind kind, uint64_t seed) {
-  shot.projection.width = 512;
-  shot.projection.height = 288;
+  shot.projection.width = 200;
+  shot.projection.height = 120;
   RenderParams params = cell_params(kind, cells, 8, seed);
-  params.crop = Crop{192, 224, 128, 160};
+  params.crop = Crop{64, 96, 32, 64};
   return colours_of(render(shot, params));
 }
 
