@@ -24,9 +24,10 @@ void add_sampling_options(CLI::App& app, SamplingArguments& out) {
   add_choice(app, "--shadows", params.shadows,
              "How shadows of point, spot and directional lights are found. exact: in time, wherever surface, light "
              "and camera rest; sampled: at the instants of shading samples; auto: exact where it is worth it");
-  add_choice(app, "--mirrors", params.mirrors,
-             "How it is found what mirrors and panes show of what moves. exact: in time, where they and the camera "
-             "rest; sampled: at the instants of shading samples; auto: exact by tc, by mixed where it is worth it");
+  add_choice(
+      app, "--mirrors", params.mirrors,
+      "How it is found what mirrors and panes show of what moves. exact: in time, where they and the camera "
+      "rest; sampled: at the instants of shading samples; auto: exact by tc, by mixed and auto where it is worth it");
   add_choice(
       app, "--cells", params.cells,
       "Of lit pictures. on: light that arrives at a cell of a surface counts for all pixels that see it while it "

@@ -108,10 +108,7 @@ void choose_shadows(MixedFrame& frame, Monitor& monitor) {
                                      [](const Mesh& mesh) { return mesh.is_static(); });
   if (all_rests) return;
   const bool shadows = may_be_exact(frame.params, frame.shading) && is_any(frame.context.shader.resting_receivers());
-  // Samples that auto gives to pixels by how uneven they are know nothing of what passes in mirrors: with 16 of them a
-  // picture with a fan in a mirror became worse by 4 dB.
-  if (!frame.automatic || frame.params.mirrors == Mirrors::exact)
-    frame.plan.exact_mirrors = choose_exact_mirrors(frame.context, frame.params, frame.shading);
+  frame.plan.exact_mirrors = choose_exact_mirrors(frame.context, frame.params, frame.shading);
   if (!shadows && frame.plan.exact_mirrors.empty()) return;
   // In smaller pictures looks would take more than they could save.
   const bool leaves_open = frame.params.shadows != Shadows::exact && frame.params.mirrors != Mirrors::exact;

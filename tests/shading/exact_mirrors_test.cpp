@@ -2,6 +2,7 @@
 #include "shading/exact_mirrors.h"
 
 #include <array>
+#include <cmath>
 #include <random>
 #include <string>
 #include <vector>
@@ -63,6 +64,21 @@ TEST(ExactMirrors, ShowWhatPasses) {
   const Shot shot = looking_at({at_45_degrees, lamp});
   for (const IntegratorKind integrator : kWithMirrors)
     expect_one_value(render(shot, mirror_params(Mirrors::exact, 1, 1, integrator)), 0.1);
+}
+
+/// A picture that is large enough for a race, and one that is not.
+TEST(ExactMirrors, AreThereWhereARaceIsWon) {
+  const Mesh at_45_degrees = parallelogram({-1, -1, -11}, {0, 2, 0}, {2, 0, 2}, 0);
+  const Mesh lamp = carried(parallelogram({-5, -5, -10.9f}, {0, 0, -0.2f}, {0, 10, 0}, 2), {0, 0, 2});
+  Shot shot = looking_at({at_45_degrees, lamp});
+  const auto seen = [&](IntegratorKind integrator) {
+    return render(shot, mirror_params(Mirrors::automatic, 4, 1, integrator));
+  };
+  EXPECT_GT(std::abs(seen(IntegratorKind::automatic).find("R")->values[0] - 0.1f), 0.01f) << "16 discrete samples";
+  shot.projection.width = 48;
+  shot.projection.height = 32;
+  expect_one_value(seen(IntegratorKind::automatic), 0.1);
+  expect_one_value(seen(IntegratorKind::mixed), 0.1);
 }
 
 TEST(ExactMirrors, LetSeeWhatPassesBehindPanes) {
