@@ -147,13 +147,14 @@ std::string key_times_text(const Mesh& mesh) {
 
 void print_text(const Loaded& loaded) {
   const auto& [scene, scene_animations, shot, seconds] = loaded;
-  fmt::print("{} meshes, {} triangles, {} of geometry, loaded in {:.2f} s with {} at most\n", shot.meshes.size(),
-             triangle_count(shot.meshes), megabytes(mesh_bytes(shot.meshes)), seconds, megabytes(peak_memory_bytes()));
+  fmt::print("{}, {}, {} of geometry, loaded in {:.2f} s with {} at most\n",
+             amount(shot.meshes.size(), "mesh", "meshes"), amount(triangle_count(shot.meshes), "triangle", "triangles"),
+             megabytes(mesh_bytes(shot.meshes)), seconds, megabytes(peak_memory_bytes()));
   fmt::print("{}x{} pixels, shutter {} to {} (scene time), camera {}\n", shot.projection.width, shot.projection.height,
              shot.shutter_open, shot.shutter_close, shot.camera_moves ? "moves" : "still");
   for (const Mesh& mesh : shot.meshes)
-    fmt::print("mesh '{}': {} triangles, {}, {}\n", mesh.name, mesh.triangle_count(), key_times_text(mesh),
-               megabytes(mesh_bytes(mesh)));
+    fmt::print("mesh '{}': {}, {}, {}\n", mesh.name, amount(mesh.triangle_count(), "triangle", "triangles"),
+               key_times_text(mesh), megabytes(mesh_bytes(mesh)));
   for (const SceneContents::Camera& camera : scene.cameras)
     fmt::print("camera '{}': {}\n", camera.name,
                camera.orthographic ? fmt::format("orthographic, {:.4g} high", camera.view_height)

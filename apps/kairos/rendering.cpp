@@ -204,9 +204,11 @@ const Frame& Rendering::frame_of(const FrameJob& job) {
   frame_ = std::make_unique<Frame>(arguments_, job, *scene_, Stopwatch());
   const Shot& shot = frame_->shot;
   const Projection& size = shot.projection;
-  say(arguments_, fmt::format("loaded {} meshes, {} triangles in {:.2f} s; {}x{} pixels, shutter {} to {}",
-                              shot.meshes.size(), triangle_count(shot.meshes), timings_.load + frame_->seconds,
-                              size.width, size.height, shot.shutter_open, shot.shutter_close));
+  say(arguments_,
+      fmt::format("loaded {}, {} in {:.2f} s; {}x{} pixels, shutter {} to {}",
+                  amount(shot.meshes.size(), "mesh", "meshes"),
+                  amount(triangle_count(shot.meshes), "triangle", "triangles"), timings_.load + frame_->seconds,
+                  size.width, size.height, shot.shutter_open, shot.shutter_close));
   if (frame_->exposed.shutter) say(arguments_, shutter_text(*frame_->exposed.shutter, size.width, size.height));
   for (const std::vector<std::string>& notes : {shot.notes, doubtful_wishes(arguments_)})
     for (const std::string& note : notes)

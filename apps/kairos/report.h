@@ -25,6 +25,8 @@ uint64_t mesh_bytes(const Mesh& mesh);
 uint64_t mesh_bytes(const std::vector<Mesh>& meshes);
 /// The most memory that the process has held so far, bytes.
 uint64_t peak_memory_bytes();
+/// "1 mesh", "2 meshes".
+std::string amount(size_t count, const char* one, const char* many);
 /// "12.3 MB".
 std::string megabytes(uint64_t bytes);
 

@@ -39,8 +39,9 @@ def array(name: str, value: Any, dtype: npt.DTypeLike, *shapes: Sequence[int]) -
 
 
 def shape_text(shape: Sequence[int]) -> str:
-    """As Python writes a shape, with N for any length."""
-    sides = ["N" if side < 0 else str(side) for side in shape]
+    """As Python writes a shape, with N for any length, and M for another one before it."""
+    free = iter("MN"[-list(shape).count(-1):])
+    sides = [next(free) if side < 0 else str(side) for side in shape]
     return f"({', '.join(sides)}{',' if len(sides) == 1 else ''})"
 
 
@@ -48,3 +49,8 @@ def keyed(name: str, value: Any, dtype: npt.DTypeLike, tail: Sequence[int]) -> n
     """`value` with an axis of keys in front: of one key where it has none."""
     result = array(name, value, dtype, tail, (-1, *tail))
     return result[np.newaxis] if result.ndim == len(tail) else result
+
+
+def counted(count: int, one: str, many: str = "") -> str:
+    """As text: "1 mesh", "2 meshes"."""
+    return f"{count} {one if count == 1 else many or one + 's'}"

@@ -8,7 +8,7 @@ from typing import Any, Literal, Optional, Union
 import numpy as np
 import numpy.typing as npt
 
-from ._arrays import Triple, array, keyed
+from ._arrays import Triple, array, counted, keyed
 from ._errors import UsageError
 
 Wrap = Literal["repeat", "clamp", "mirror"]
@@ -67,7 +67,9 @@ class Mesh:
 
     def __repr__(self) -> str:
         keys, vertices = np.shape(self.positions)[:2]
-        return f"<Mesh '{self.name}', {vertices} vertices, {len(np.asarray(self.triangles))} triangles, {keys} keys>"
+        triangles = len(np.asarray(self.triangles))
+        return (f"<Mesh '{self.name}', {counted(vertices, 'vertex', 'vertices')}, {counted(triangles, 'triangle')}, "
+                f"{counted(keys, 'key')}>")
 
 
 @dataclass(eq=False)

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _kairos
-from ._arrays import PathLike, Triple, array
+from ._arrays import PathLike, Triple, array, counted
 from ._describe import Camera, EnvironmentLight, Instance, Light, Material, Mesh, Texture
 from ._errors import UsageError
 from ._shutter import Shutter
@@ -42,7 +42,7 @@ def load(paths: Union[PathLike, Sequence[PathLike]], *, animation: str = "", glt
                                    memory_budget=memory_budget, threads=threads)))
 
 
-def make_scene(meshes: Sequence[Mesh], *, instances: Sequence[Instance] = (), materials: Sequence[Material] = (),
+def make_scene(meshes: Union[Mesh, Sequence[Mesh]], *, instances: Sequence[Instance] = (), materials: Sequence[Material] = (),
                pictures: Optional[Mapping[str, npt.NDArray[Any]]] = None,
                cameras: Union[None, Camera, Sequence[Camera]] = None, lights: Sequence[Light] = (),
                background: Triple = (0.0, 0.0, 0.0), shutter: tuple[float, float] = (0.0, 1.0),
@@ -90,6 +90,7 @@ def make_scene(meshes: Sequence[Mesh], *, instances: Sequence[Instance] = (), ma
         add(material)
     own = bool(made)
     placed = []
+    meshes = [meshes] if isinstance(meshes, Mesh) else list(meshes)
     for mesh in meshes:
         one = copy.copy(mesh)
         if isinstance(mesh.material, Material):
@@ -213,8 +214,8 @@ class Scene:
 
     def __repr__(self) -> str:
         triangles = sum(mesh.triangles for mesh in self.meshes)
-        return (f"<Scene, {_counted(len(self.meshes), 'mesh', 'meshes')}, {_counted(triangles, 'triangle')}, "
-                f"{_counted(len(self.cameras), 'camera')}>")
+        return (f"<Scene, {counted(len(self.meshes), 'mesh', 'meshes')}, {counted(triangles, 'triangle')}, "
+                f"{counted(len(self.cameras), 'camera')}>")
 
     def __reduce__(self) -> Any:
         raise TypeError("a Scene cannot be pickled; load it in each worker")
@@ -224,10 +225,6 @@ def _choice(name: str, value: str, *known: str) -> str:
     if value not in known:
         raise UsageError(f"{name}: '{value}' is not one of: {', '.join(known)}")
     return value
-
-
-def _counted(count: int, one: str, many: str = "") -> str:
-    return f"{count} {one if count == 1 else many or one + 's'}"
 
 
 class Shot:
@@ -301,8 +298,8 @@ class Shot:
 
     def __repr__(self) -> str:
         (width, height), (begin, end) = self.size, self.shutter
-        return (f"<Shot {width}x{height}, {_counted(self._held.mesh_count(), 'mesh', 'meshes')}, "
-                f"{_counted(self._held.triangle_count(), 'triangle')}, shutter {begin:g}..{end:g} s>")
+        return (f"<Shot {width}x{height}, {counted(self._held.mesh_count(), 'mesh', 'meshes')}, "
+                f"{counted(self._held.triangle_count(), 'triangle')}, shutter {begin:g}..{end:g} s>")
 
     def __reduce__(self) -> Any:
         raise TypeError("a Shot cannot be pickled; make it in each worker")

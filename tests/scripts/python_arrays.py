@@ -80,6 +80,12 @@ class Arrays(unittest.TestCase):
         np.testing.assert_allclose(rgb[10, 7], (1, 0, 0), atol=1e-3)
         np.testing.assert_allclose(rgb[10, 12], (0, 0, 1), atol=1e-3)
 
+    def test_one_of_a_kind(self):
+        self.assertIn("1 mesh, 1 triangle,", repr(kairos.make_scene(flying())))
+        self.assertEqual(repr(kairos.Mesh(FLYING[0], [[0, 1, 2]])), "<Mesh 'mesh', 3 vertices, 1 triangle, 1 key>")
+        with self.assertRaisesRegex(kairos.UsageError, r"\(3, 2\), not \(N, 3\) or \(M, N, 3\)"):
+            kairos.Mesh(np.zeros((3, 2)), [[0, 1, 2]])
+
     def test_where_the_camera_stands(self):
         to_world = kairos.Camera.look_at((1, 2, 3), (0, 0, 0)).to_world[0]
         shot = kairos.make_scene([flying()], cameras=kairos.Camera(to_world)).shot()
