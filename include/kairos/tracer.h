@@ -162,8 +162,9 @@ class KAIROS_API Tracer {
   static constexpr size_t kMaxPacket = 16;
 
   /// The same for up to 16 rays at once: several times cheaper than one by one where rays come from one origin and go
-  /// about the same way, as those of a pixel do, and no dearer otherwise. Times and distances differ from trace()'s by
-  /// rounding. Only Precision::fast knows packets. What the rays share is counted once.
+  /// about the same way, as those of a pixel do, or are parallel and near each other, as those from a surface to the
+  /// sun; and no dearer otherwise. Times and distances differ from trace()'s by rounding. Only Precision::fast knows
+  /// packets. What the rays share is counted once.
   ///
   /// occluder_hints: none, or for each ray what it is known to see if nothing else is in front: a hit over the whole
   /// shutter; one without duration says that there is nothing. together: false to go through the trees one by one,
@@ -172,6 +173,11 @@ class KAIROS_API Tracer {
   std::span<const SeenByRay> trace_packet(std::span<const Ray> rays, Visibility visibility, Workspace& workspace,
                                           std::span<const Segment> occluder_hints = {}, bool together = true,
                                           const TraceLimits& limits = {}) const;
+
+  /// The same of occluded(): when anything is met along each of up to 16 rays. The spans live in the workspace until
+  /// its next use. Throws Error(bad_usage) for more than 16 rays.
+  std::span<const std::span<const TimeRange>> occluded_packet(std::span<const Ray> rays, Workspace& workspace,
+                                                              const TraceLimits& limits = {}) const;
 
   /// Many rays, in parallel; without blended meshes. The result does not depend on the number of threads.
   SegmentBatch trace(std::span<const Ray> rays, Visibility visibility, TraceCounters* counters = nullptr,

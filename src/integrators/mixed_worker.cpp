@@ -47,6 +47,8 @@ const PixelRecord& MixedWorker::render_pixel(int x, int y, Monitor& monitor) {
 
 void MixedWorker::begin_strip(int left, int y, Monitor& monitor) {
   strip_x_ = -1;  // until it is whole
+  resting_strip_x_ = -1;
+  if (resting_) resting_->begin_strip();
   strip_packet_.begin(y);
   const int right = std::min(left + frame_.strip(), frame_.shot.projection.width);
   for (int x = left; x < right; ++x) {
@@ -81,6 +83,8 @@ void MixedWorker::add_ray_counts(RenderStats& stats) const {
   traced += strip_workspace_.counters();
   stats.counters += traced;
   stats.counters += shading_.further_counters();
+  stats.counters += packet_.shadow_counters();
+  stats.counters += strip_packet_.shadow_counters();
   if (resting_) stats.counters += resting_->counters();
   stats.rays += traced.rays + samples_.ray_count() + share_rays_;
   stats.segments += traced.segments + samples_.hit_count();
@@ -138,7 +142,10 @@ void MixedWorker::render_resting(int x, int y, const Sampler::Pixel& pixel, Moni
   const ExactShadows* shadows = resting_->shadows();
   const ExactMirrors* mirrors = resting_->mirrors();
   uint32_t taken = spread ? spread->first() : frame_.budget;
-  here_->still_layer.begin_pixel(x, y, pixel, {});
+  if (const uint32_t rays = exact_rays(taken); frame_.strip(rays) > 1)
+    look_at_resting_strip(x, y, rays, monitor);
+  else
+    here_->still_layer.begin_pixel(x, y, pixel, {});
   here_->still_layer.add_rays(0, taken, shadows, mirrors, monitor, record_);
   if (spread) {
     contrast_.begin_pixel();
@@ -152,7 +159,21 @@ void MixedWorker::render_resting(int x, int y, const Sampler::Pixel& pixel, Moni
   }
   const uint32_t exact = exact_rays(taken);
   record_.set_plan({exact, taken}, false);
-  resting_->add_exact(here_->still_layer, exact, context_.times(x, y).window(), record_, look_ups_);
+  resting_->add_exact(x, here_->still_layer, exact, context_.times(x, y).window(), record_, look_ups_);
+}
+
+void MixedWorker::look_at_resting_strip(int x, int y, uint32_t rays, Monitor& monitor) {
+  const int strip = frame_.strip(rays), left = x - x % strip;
+  if (left == resting_strip_x_) return;
+  resting_strip_x_ = left;
+  resting_->begin_strip();
+  for (int px = left; px < std::min(left + strip, frame_.shot.projection.width); ++px) {
+    Place& place = places_[static_cast<size_t>(px - strip_x_)];
+    if (place.plan.tc_rays > 0 || frame_.mask.moves(px, y)) continue;
+    place.still_layer.begin_pixel(px, y, context_.sampler.pixel(px, y), {});
+    resting_->add_to_strip(px, place.still_layer, rays, monitor);
+  }
+  resting_->look_at_strip(context_.times(x, y).window());
 }
 
 uint32_t MixedWorker::exact_rays(uint32_t still_rays) const {
@@ -167,7 +188,8 @@ RowPacket::Rays MixedWorker::trace_alone(int x, int y, const Sampler::Pixel& pix
   if (frame_.occluder_hints) occluder_hints = here_->still_layer.occluder_hints(begin, size, monitor);
   packet_.begin(y);
   packet_.add(x, pixel, here_->align, begin, size, occluder_hints);
-  packet_.trace(frame_.tracer, workspace_, frame_.plan.packets.together(count), context_.times(x, y).limits());
+  packet_.trace(frame_.tracer, workspace_, frame_.plan.packets.together(count), context_.times(x, y).limits(),
+                shading_.packet_shadows());
   return packet_.of(x);
 }
 
@@ -188,7 +210,7 @@ RowPacket::Rays MixedWorker::trace_in_strip(int x, int y, Monitor& monitor) {
     if (frame_.occluder_hints) occluder_hints = place.still_layer.occluder_hints(0, count, monitor);
     strip_packet_.add(px, context_.sampler.pixel(px, y), place.align, 0, count, occluder_hints);
   }
-  strip_packet_.trace(frame_.tracer, strip_workspace_, true, {});
+  strip_packet_.trace(frame_.tracer, strip_workspace_, true, {}, shading_.packet_shadows());
   return strip_packet_.of(x);
 }
 

@@ -76,6 +76,9 @@ class MixedWorker : public Integrator::Worker {
   void render_discrete(int x, int y, const Sampler::Pixel& pixel, DiscreteLayer layer, Monitor& monitor);
   /// Is something that passes seen in a mirror at rest, by a few rays independent of all others?
   bool passes_in_mirrors(int x, int y);
+  /// Unless it has been done already, begins all resting pixels of a strip and looks at the shadows of their first
+  /// `rays` still rays together.
+  void look_at_resting_strip(int x, int y, uint32_t rays, Monitor& monitor);
   void render_resting(int x, int y, const Sampler::Pixel& pixel, Monitor& monitor);
   /// Along how many of a pixel's still rays shadows are found exactly.
   uint32_t exact_rays(uint32_t still_rays) const;
@@ -103,7 +106,7 @@ class MixedWorker : public Integrator::Worker {
   RowPacket packet_, strip_packet_;
   std::vector<uint32_t> ends_;  // [ray of a packet]: of its parts
   std::vector<Place> places_;   // [pixel of the strip]
-  int strip_x_ = -1, strip_y_ = -1, last_x_ = -1;
+  int strip_x_ = -1, strip_y_ = -1, last_x_ = -1, resting_strip_x_ = -1;
   Place* here_;  // the pixel's
   DiscreteSamples samples_;
   LookUps* const look_ups_;

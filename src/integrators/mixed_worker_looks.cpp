@@ -70,7 +70,7 @@ MixedWorker::Look MixedWorker::look_at(int x, int y, Monitor& monitor) {
     rays = record_.still_rays();
     contrast_.add(record_, rays);
     const double before = resting_->time();
-    resting_->add_exact(here_->still_layer, exact_rays(first), {}, record_, look_ups_);
+    resting_->add_exact(x, here_->still_layer, exact_rays(first), {}, record_, look_ups_);
     shadows = (resting_->time() - before) / first;
   } else {
     samples_.take(x, y, pixel, 0, first, moves ? DiscreteLayer::all : DiscreteLayer::still, record_, monitor);
@@ -156,7 +156,7 @@ double MixedWorker::passing_shadow_time(int x, int y, Monitor& monitor) {
   record_.begin_pixel(x, y, context_.background);
   here_->still_layer.add_rays(0, looks, resting_->shadows(), resting_->mirrors(), monitor, record_);
   const double before = resting_->time();
-  resting_->add_exact(here_->still_layer, looks, {}, record_);
+  resting_->add_exact(x, here_->still_layer, looks, {}, record_);
   return resting_->changes() ? (resting_->time() - before) / looks : 0;
 }
 
@@ -169,7 +169,7 @@ MixedWorker::ShadowRace MixedWorker::race_shadows(int x, int y, Monitor& monitor
     record_.begin_pixel(x, y, context_.background, window);
     here_->still_layer.begin_pixel(x, y, pixel, {});
     here_->still_layer.add_rays(0, frame_.budget, resting_->shadows(), resting_->mirrors(), monitor, record_);
-    resting_->add_exact(here_->still_layer, exact_rays(frame_.budget), window, record_);
+    resting_->add_exact(x, here_->still_layer, exact_rays(frame_.budget), window, record_);
     exact[half] = reduce(record_.finish(), {}, false).colour;
     record_.begin_pixel(x, y, context_.background, window);
     samples_.take(x, y, pixel, 0, frame_.budget, DiscreteLayer::still, record_, monitor);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
+#include <vector>
 
 #include "integrators/still_layer.h"
 #include "pixel/record_builder.h"
@@ -26,16 +28,50 @@ class RestingPixels {
   const ExactShadows* shadows() const { return &shadows_; }
   const ExactMirrors* mirrors() const { return mirrors_; }
 
+  // Exact looks of pixels beside each other may be made together, before any of them is shaded.
+  void begin_strip() {
+    strip_steps_.clear();
+    strip_points_.clear();
+    strip_pixels_.clear();
+  }
+  /// Along the first `count` still rays of a pixel.
+  void add_to_strip(int x, StillLayer& still, uint32_t count, Monitor& monitor) {
+    const auto hits = still.hits(count, monitor);
+    strip_pixels_.push_back({x, strip_points_.size(), count});
+    for (uint32_t i = 0; i < count; ++i) {
+      strip_points_.push_back(strip_steps_.points());
+      if (hits[i] && has_shadows(hits[i]->mesh))
+        strip_steps_.add(shadows_, still.ray(i), hits[i]->mesh, hits[i]->triangle);
+    }
+  }
+  void look_at_strip(const TimeRange& window) { strip_steps_.look(shadows_, window); }
+
   /// Makes rays of `out` over all of the window of the first `count` still rays that are in it, which were shaded with
-  /// the same shadows. look_ups: by which they were; null: at once.
-  void add_exact(const StillLayer& still, uint32_t count, const TimeRange& window, RecordBuilder& out,
+  /// the same shadows; those that are in the strip as pixel x's were looked at with it. look_ups: by which the rays
+  /// were shaded; null: at once.
+  void add_exact(int x, const StillLayer& still, uint32_t count, const TimeRange& window, RecordBuilder& out,
                  LookUps* look_ups = nullptr) {
+    const auto in_strip = points_in_strip(x);
     changes_ = false;
     look_ups_ = look_ups;
+    steps_.clear();
+    for (uint32_t i = static_cast<uint32_t>(in_strip.size()); i < count; ++i)
+      if (const PixelRay ray = out.still_rays()[i]; ray.parts > 0)
+        if (const Segment& where = out.parts()[ray.first_part].where; has_shadows(where.mesh))
+          steps_.add(shadows_, still.ray(i), where.mesh, where.triangle);
+    steps_.look(shadows_, window);
+    looks_ += steps_.points();
+    changes_ = steps_.changes();
+    Looked looked{&strip_steps_, 0};
     for (uint32_t i = 0; i < count; ++i) {
+      if (i < in_strip.size())
+        looked.point = in_strip[i];
+      else if (i == in_strip.size())
+        looked = {&steps_, 0};
       const PixelRay sampled = out.still_rays()[i];
       const uint32_t first = out.part_count();
-      if (sampled.parts > 0) add_parts(still.ray(i), still.key(i), out.parts()[sampled.first_part], window, out);
+      if (sampled.parts > 0)
+        add_parts(still.ray(i), still.key(i), out.parts()[sampled.first_part], looked, window, out);
       out.add_ray({sampled.film, 1, PixelRay::kAll, first, out.part_count() - first, sampled.parts});
     }
     out.set_still(count, 1);
@@ -50,14 +86,15 @@ class RestingPixels {
     return passing_.changes();
   }
 
-  /// Did anything pass before a light of those rays, or in a mirror?
+  /// Did anything pass before a light of those rays that were in no strip, or in a mirror?
   bool changes() const { return changes_; }
   TraceCounters counters() const {
     TraceCounters sum = steps_.counters();
+    sum += strip_steps_.counters();
     sum += passing_.counters();
     return sum;
   }
-  /// Nanoseconds that all of this has taken so far, as those of shadow_prices.h.
+  /// Nanoseconds that all of this but strips has taken so far, as those of shadow_prices.h.
   double time() const {
     const TraceCounters seen = passing_.counters();
     const double in_mirrors = tracing_time(static_cast<double>(seen.nodes), static_cast<double>(seen.triangles),
@@ -67,7 +104,28 @@ class RestingPixels {
   }
 
  private:
-  void add_parts(const Ray& ray, SampleKey key, SeenPart seen, const TimeRange& window, RecordBuilder& out) {
+  struct StripPixel {
+    int x;
+    size_t first;  // of strip_points_
+    uint32_t count;
+  };
+  std::span<const size_t> points_in_strip(int x) const {
+    for (const StripPixel& pixel : strip_pixels_)
+      if (pixel.x == x) return std::span(strip_points_).subspan(pixel.first, pixel.count);
+    return {};
+  }
+
+  bool is_exact_mirror(uint32_t mesh) const { return mesh != kNoMesh && mirrors_ != nullptr && mirrors_->on(mesh); }
+  bool has_shadows(uint32_t mesh) const { return mesh != kNoMesh && !is_exact_mirror(mesh) && shadows_.on(mesh); }
+
+  /// The next point with shadows.
+  struct Looked {
+    const RestingLightSteps* steps;
+    size_t point;
+  };
+
+  void add_parts(const Ray& ray, SampleKey key, SeenPart seen, Looked& looked, const TimeRange& window,
+                 RecordBuilder& out) {
     Segment& where = seen.where;
     const Vec3f colour = out.knots()[seen.first_knot].colour;
     const KnotSurface surface = out.surface(seen.first_knot);
@@ -78,7 +136,7 @@ class RestingPixels {
       if (awaited) look_ups_->link(out.knot_count(), *awaited);
       out.add_part({where, out.add_knot(begin + (end - begin) * 0.5f, shown, surface.normal, surface.albedo)});
     };
-    if (where.mesh != kNoMesh && mirrors_ != nullptr && mirrors_->on(where.mesh)) {
+    if (is_exact_mirror(where.mesh)) {
       sum_.clear();
       ++looks_;
       passing_.look(*mirrors_, ray, where.mesh, where.triangle, where.dist_begin, key, window, sum_);
@@ -87,26 +145,25 @@ class RestingPixels {
                  [&](float begin, float end, Vec3f change) { add(begin, end, colour + change); });
       return;
     }
-    if (where.mesh == kNoMesh || !shadows_.on(where.mesh)) return add(window.begin, window.end, colour);
-    ++looks_;
-    const Vec3f unhidden = steps_.look_at_still(shadows_, ray, where.mesh, where.triangle);
-    steps_.look_at_motion(shadows_, window);
-    changes_ = changes_ || steps_.changes();
+    if (!has_shadows(where.mesh)) return add(window.begin, window.end, colour);
     float begin = window.begin;
-    for (const auto& step : steps_.steps()) {
-      Vec3f left = colour - (unhidden - step.light);
+    for (const auto& step : looked.steps->steps(looked.point)) {
+      Vec3f left = colour - (looked.steps->unhidden(looked.point) - step.light);
       // Where a light only just peeps past an edge, packets of rays and single ones may disagree whether it does.
       if (!awaited) left = {std::max(left.x, 0.0f), std::max(left.y, 0.0f), std::max(left.z, 0.0f)};
       add(begin, step.end, left);
       begin = step.end;
     }
+    ++looked.point;
   }
 
   const ExactShadows& shadows_;
   const ExactMirrors* const mirrors_;
   const double sample_time_;
   LookUps* look_ups_ = nullptr;
-  RestingLightSteps steps_;
+  RestingLightSteps steps_, strip_steps_;
+  std::vector<StripPixel> strip_pixels_;
+  std::vector<size_t> strip_points_;  // of strip_steps_, by rays; of those with shadows
   PassingInMirrors passing_;
   StepSum sum_;
   uint64_t looks_ = 0;

@@ -11,6 +11,7 @@
 #include "motion/aligned_points.h"
 #include "pixel/record_builder.h"
 #include "shading/packet_shading.h"
+#include "shading/packet_shadows.h"
 #include "shading/pixel_context.h"
 
 namespace kairos {
@@ -49,11 +50,15 @@ class RowPacket {
     occluder_hints_.insert(occluder_hints_.end(), occluder_hints.begin(), occluder_hints.end());
   }
 
-  /// limits: of all pixels.
-  void trace(const Tracer& tracer, Tracer::Workspace& workspace, bool together, const TraceLimits& limits) {
-    seen_ = tracer.trace_packet(std::span(rays_).first(count_), Visibility::visible, workspace, occluder_hints_,
-                                together, limits);
+  /// limits: of all pixels. shadows: that are to be exact on what is seen; null: none are.
+  void trace(const Tracer& tracer, Tracer::Workspace& workspace, bool together, const TraceLimits& limits,
+             const ExactShadows* shadows) {
+    const auto rays = std::span(rays_).first(count_);
+    seen_ = tracer.trace_packet(rays, Visibility::visible, workspace, occluder_hints_, together, limits);
+    has_shadows_ = shadows != nullptr;
+    if (has_shadows_) shadows_.look(*shadows, rays, seen_, {limits.window_begin, limits.window_end});
   }
+  TraceCounters shadow_counters() const { return shadows_.counters(); }
 
   bool holds(int x, int y) const { return y == y_ && find(x) != nullptr; }
 
@@ -63,12 +68,14 @@ class RowPacket {
     std::span<const SeenByRay> seen;
     std::span<const float> times;  ///< of the sample points
     std::span<const Vec2f> film;
+    const PacketShadows* exact_shadows;  ///< of the packet; null: none
+    size_t first;                        ///< number of the first ray within the packet
   };
   /// x: of a pixel that was added.
   Rays of(int x) const {
     const Place& place = *find(x);
     const auto some = [&](auto&& all) { return std::span(all).subspan(place.first, place.count); };
-    return {some(rays_), some(seen_), some(times_), some(film_)};
+    return {some(rays_), some(seen_), some(times_), some(film_), has_shadows_ ? &shadows_ : nullptr, place.first};
   }
 
  private:
@@ -91,6 +98,8 @@ class RowPacket {
   std::array<float, kMostRays> times_{};
   std::vector<Segment> occluder_hints_;
   std::span<const SeenByRay> seen_;
+  PacketShadows shadows_;
+  bool has_shadows_ = false;
 };
 
 /// Shades a pixel's rays, of which they are those from `first_ray` on, and adds them with all that they see to its
@@ -99,7 +108,8 @@ inline void shade_rays(const RowPacket::Rays& rays, uint64_t pixel_seed, uint32_
                        PacketShading& shading, std::vector<uint32_t>& ends, RecordBuilder& record) {
   ends.clear();
   uint32_t first = record.part_count();
-  shading.shade({rays.rays, rays.seen, rays.times, pixel_seed, first_ray, window}, record, ends);
+  shading.shade({rays.rays, rays.seen, rays.times, pixel_seed, first_ray, window, rays.exact_shadows, rays.first},
+                record, ends);
   for (uint32_t i = 0; i < rays.rays.size(); ++i) {
     const SeenByRay& seen = rays.seen[i];
     record.add_ray({rays.film[i], 1, PixelRay::kAll, first, ends[i] - first,

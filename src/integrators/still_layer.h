@@ -33,6 +33,12 @@ class StillLayer {
     hits_.clear();
   }
 
+  /// What the first `count` rays hit. Valid until the next call.
+  std::span<const std::optional<DiscreteHit>> hits(uint32_t count, Monitor& monitor) {
+    trace(count, monitor);
+    return std::span(hits_).first(count);
+  }
+
   /// Of `count` rays from `first` on, what they see of this layer: as Tracer::trace_packet takes it. Valid until the
   /// next call.
   std::span<const Segment> occluder_hints(uint32_t first, uint32_t count, Monitor& monitor) {
@@ -67,7 +73,7 @@ class StillLayer {
         shadows, mirrors);
   }
   SampleKey key(uint32_t index) const { return {pixel_.seed, index}; }
-  /// Of those that were added.
+  /// Of those that were traced.
   const Ray& ray(uint32_t index) const { return rays_[index]; }
 
   uint64_t ray_count() const { return ray_count_; }

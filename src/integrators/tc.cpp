@@ -93,6 +93,7 @@ class TcIntegrator : public Integrator {
     void add_counts(RenderStats& stats) const override {
       stats.counters += workspace_.counters();
       stats.counters += shading_.further_counters();
+      stats.counters += packet_.shadow_counters();
       stats.rays += workspace_.counters().rays;
       stats.segments += workspace_.counters().segments;
       stats.shading_samples += shading_.evaluations();
@@ -108,14 +109,15 @@ class TcIntegrator : public Integrator {
       const uint32_t count = context_.sampler.count();
       packet_.begin(y);
       packet_.add(x, pixel, align(x, y), begin, std::min(kMostRays, count - begin));
-      packet_.trace(integrator_.tracer_, workspace_, integrator_.plan_.packets.together(count), limits);
+      packet_.trace(integrator_.tracer_, workspace_, integrator_.plan_.packets.together(count), limits,
+                    shading_.packet_shadows());
     }
     void trace_strip(int x, int y) {
       const int left = x - x % integrator_.strip_;
       packet_.begin(y);
       for (int px = left; px < std::min(left + integrator_.strip_, integrator_.width_); ++px)
         packet_.add(px, context_.sampler.pixel(px, y), align(px, y), 0, context_.sampler.count());
-      packet_.trace(integrator_.tracer_, workspace_, true, {});
+      packet_.trace(integrator_.tracer_, workspace_, true, {}, shading_.packet_shadows());
     }
 
     const TcIntegrator& integrator_;
@@ -135,6 +137,9 @@ class TcIntegrator : public Integrator {
           choose_exact_shadows(context_, shot, params_, tracer_, *scene_, shading_, context_.sampler.count());
     // What mirrors show is exact, or shares light.
     if (params_.cells != Cells::on) plan_.exact_mirrors = choose_exact_mirrors(context_, params_, shading_);
+    if (!plan_.exact_shadows.empty())
+      for (size_t mesh = 0; mesh < plan_.exact_mirrors.size(); ++mesh)
+        if (plan_.exact_mirrors[mesh]) plan_.exact_shadows[mesh] = false;
     if (scene_ != nullptr && plan_.exact_mirrors.empty() && shading_.clusters == Clusters::pixel)
       plan_.cells = choose_cells(context_, shot, params_, *scene_, look_ups(), monitor);
   }

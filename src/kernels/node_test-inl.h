@@ -52,31 +52,41 @@ struct RaySlabs {
     }
   }
 
-  /// The distance at which a plane at `offset` from the origin is passed.
+  /// The distance at which a plane across axis k is passed.
   template <class D, class V>
-  HWY_INLINE V First(D d, size_t k, V offset) const {
-    return hn::Mul(offset, hn::Set(d, inv[k]));
+  HWY_INLINE V First(D d, size_t k, V plane) const {
+    return hn::Mul(hn::Sub(plane, hn::Set(d, origin[k])), hn::Set(d, inv[k]));
   }
   template <class D, class V>
-  HWY_INLINE V Last(D d, size_t k, V offset) const {
-    return First(d, k, offset);
+  HWY_INLINE V Last(D d, size_t k, V plane) const {
+    return First(d, k, plane);
+  }
+  /// From where the ray begins.
+  template <class D, class V>
+  HWY_INLINE V FromStart(D, V dist) const {
+    return dist;
   }
 };
 
-/// Several rays from one origin as the node test wants them: where the first and the last of them pass a plane. As
-/// functions of time these are a concave and a convex one, so that straight lines between both ends of a key span are
-/// bounds of them: what holds for a ray holds for the packet.
+/// Several rays as the node test wants them: where the first and the last of them pass a plane, from where their depth
+/// is 0 on. As functions of time these are a concave and a convex one, so that straight lines between both ends of a
+/// key span are bounds of them: what holds for a ray holds for the packet.
 struct PacketSlabs {
-  float origin[3], inv_low[3], inv_high[3];
+  float first_origin[3], last_origin[3];  // of the ray that passes a plane first, and last, were all parallel
+  float inv_low[3], inv_high[3];
+  float last_start;  // in units of the rays' length
   bool negative[3];
 
   explicit PacketSlabs(const RayPacket& packet) {
     float largest = 0;
     for (int k = 0; k < 3; ++k)
       largest = std::max({largest, std::abs(packet.direction_low[k]), std::abs(packet.direction_high[k])});
+    constexpr float kUp = 1 + 0x1p-21f;  // more than what the product and its difference to a distance are rounded by
+    last_start = packet.last_start * kUp;
     for (int k = 0; k < 3; ++k) {
-      origin[k] = packet.origin[k];
       negative[k] = packet.direction_low[k] < 0;
+      first_origin[k] = negative[k] ? packet.origin_low[k] : packet.origin_high[k];
+      last_origin[k] = negative[k] ? packet.origin_high[k] : packet.origin_low[k];
       const float sign = negative[k] ? -1.0f : 1.0f, least = kLeastDirection * largest;
       const float a = sign / std::max(std::abs(packet.direction_low[k]), least);
       const float b = sign / std::max(std::abs(packet.direction_high[k]), least);
@@ -86,12 +96,19 @@ struct PacketSlabs {
   }
 
   template <class D, class V>
-  HWY_INLINE V First(D d, size_t k, V offset) const {
+  HWY_INLINE V First(D d, size_t k, V plane) const {
+    const V offset = hn::Sub(plane, hn::Set(d, first_origin[k]));
     return hn::Min(hn::Mul(offset, hn::Set(d, inv_low[k])), hn::Mul(offset, hn::Set(d, inv_high[k])));
   }
   template <class D, class V>
-  HWY_INLINE V Last(D d, size_t k, V offset) const {
+  HWY_INLINE V Last(D d, size_t k, V plane) const {
+    const V offset = hn::Sub(plane, hn::Set(d, last_origin[k]));
     return hn::Max(hn::Mul(offset, hn::Set(d, inv_low[k])), hn::Mul(offset, hn::Set(d, inv_high[k])));
+  }
+  /// From where any of them begins.
+  template <class D, class V>
+  HWY_INLINE V FromStart(D d, V dist) const {
+    return hn::Max(hn::Sub(dist, hn::Set(d, last_start)), hn::Zero(d));
   }
 };
 
@@ -124,14 +141,13 @@ HWY_INLINE void TestNode(const Node<kMovingKeys>& node, const ChildWindows* wind
     if (lane >= node.count) break;
     V in0[3], in1[3], out0[3], out1[3];  // entry and exit of each slab at both ends of the key span
     for (size_t k = 0; k < 3; ++k) {
-      const V o = hn::Set(d, ray.origin[k]);
       const bool neg = ray.negative[k];
       const auto entry = [&](const float* plane) HWY_ATTR {
-        const V dist = ray.First(d, k, hn::Sub(hn::Load(d, plane + lane), o));
+        const V dist = ray.First(d, k, hn::Load(d, plane + lane));
         return hn::Sub(dist, hn::Mul(hn::Abs(dist), slab_error));
       };
       const auto exit = [&](const float* plane) HWY_ATTR {
-        const V dist = ray.Last(d, k, hn::Sub(hn::Load(d, plane + lane), o));
+        const V dist = ray.Last(d, k, hn::Load(d, plane + lane));
         return hn::Add(dist, hn::Mul(hn::Abs(dist), slab_error));
       };
       in0[k] = entry(neg ? node.upper[0][k] : node.lower[0][k]);
@@ -200,7 +216,7 @@ HWY_INLINE void TestNode(const Node<kMovingKeys>& node, const ChildWindows* wind
       const V error = hn::Mul(hn::Max(hn::Abs(in0[k]), hn::Abs(in1[k])), slab_error);
       dist = hn::Max(dist, hn::Sub(entry, error));
     }
-    hn::Store(dist, d, hits.dist + lane);
+    hn::Store(ray.FromStart(d, dist), d, hits.dist + lane);
     hits.mask |= MaskBits(d, met) << lane;
   }
 }
@@ -216,16 +232,15 @@ HWY_INLINE void TestNode(const Node<kStaticKeys>& node, const Slabs& ray, NodeHi
     if (lane >= node.count) break;
     V in = hn::Zero(d), out = hn::Set(d, std::numeric_limits<float>::infinity());
     for (size_t k = 0; k < 3; ++k) {
-      const V o = hn::Set(d, ray.origin[k]);
       const float* near = ray.negative[k] ? node.upper[0][k] : node.lower[0][k];
       const float* far = ray.negative[k] ? node.lower[0][k] : node.upper[0][k];
-      const V entry = ray.First(d, k, hn::Sub(hn::Load(d, near + lane), o));
-      const V exit = ray.Last(d, k, hn::Sub(hn::Load(d, far + lane), o));
+      const V entry = ray.First(d, k, hn::Load(d, near + lane));
+      const V exit = ray.Last(d, k, hn::Load(d, far + lane));
       in = hn::Max(in, hn::Sub(entry, hn::Mul(hn::Abs(entry), slab_error)));
       out = hn::Min(out, hn::Add(exit, hn::Mul(hn::Abs(exit), slab_error)));
     }
     const auto met = hn::And(hn::Le(in, out), hn::FirstN(d, node.count - lane));
-    hn::Store(in, d, hits.dist + lane);
+    hn::Store(ray.FromStart(d, in), d, hits.dist + lane);
     hits.mask |= MaskBits(d, met) << lane;
   }
 }

@@ -1,7 +1,8 @@
-// Rays that go the same way from one origin, traced together.
+// Rays that go about the same way from one origin, or parallel to each other, traced together.
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -14,22 +15,26 @@ namespace kairos {
 /// One AVX-512 register of floats.
 inline constexpr size_t kPacketLanes = 16;
 
-/// Coordinates as in RayFrame, of a direction in the midst of the rays'; what tells the rays apart is how far each
-/// leans from it. Per lane: see `rays_per_register`.
+/// Coordinates as in RayFrame, of a ray in the midst of the packet's. From one origin, what tells the rays apart is how
+/// far each leans from its direction; parallel ones, how far off it each is. Per lane: see `rays_per_register`.
 struct alignas(64) RayPacket {
-  // Ray i leans by lean_u, lean_v per unit of depth: it passes a point (u, v, depth) of the frame by
-  // u - lean_u depth, v - lean_v depth.
+  // Ray i passes a point (u, v, depth) of the frame by u - lean_u reach, v - lean_v reach: reach is the depth for rays
+  // from one origin, and 1 for parallel ones.
   float lean_u[kPacketLanes], lean_v[kPacketLanes];
   float dist_per_depth[kPacketLanes];  ///< > 0
+  float start[kPacketLanes];           ///< the distance of its origin from where the depth is 0; of one origin: 0
+  float last_start = 0;                ///< largest of them
   float widest_u = 0, widest_v = 0;    ///< largest magnitude of lean_u, lean_v, rounded up
   float least_dist_per_depth = 0;      ///< of all rays
 
-  Vec3f origin;
+  bool parallel = false;
+  Vec3f origin;  ///< of the frame; no ray begins at a smaller depth
   int ku = 0, kv = 1, kw = 2;
   float shear_u = 0, shear_v = 0;
   float ahead = 1;  ///< depth = ahead * p[kw]: 1 or -1
 
-  float direction_low[3] = {}, direction_high[3] = {};  ///< of all rays, neither zero nor of different signs
+  float direction_low[3] = {}, direction_high[3] = {};  ///< of all rays, not of different signs
+  float origin_low[3] = {}, origin_high[3] = {};        ///< of all rays, where their depth is 0; rounded outwards
 
   std::span<const Ray> rays;
   size_t rays_per_register =
@@ -37,8 +42,8 @@ struct alignas(64) RayPacket {
   size_t ray_of(size_t lane) const { return lane / (kPacketLanes / rays_per_register); }
 };
 
-/// Nothing when the rays (1 to 16 of them, traceable) do not go the same way from one point, or at right angles to an
-/// axis: those are traced one by one.
-std::optional<RayPacket> make_packet(std::span<const Ray> rays);
+/// Nothing when the rays (1 to 16 of them, traceable) are neither parallel and no farther apart than `widest`, nor go
+/// about the same way from one point and at right angles to no axis: those are traced one by one.
+std::optional<RayPacket> make_packet(std::span<const Ray> rays, float widest = std::numeric_limits<float>::infinity());
 
 }  // namespace kairos

@@ -2,8 +2,8 @@
 //
 // An edge function is a triple product of the ray's direction and two vertices. The vertices' cross products, which are
 // the same for all rays from one origin, are computed for the block's triangles side by side; with them an edge
-// function of one ray costs two products. Exchanging an edge's vertices negates every term bit for bit: shared edges
-// stay watertight. docs/method.md, "Packets".
+// function of one ray costs two products. For parallel rays 1 takes the place of the vertices' depths. Exchanging an
+// edge's vertices negates every term bit for bit: shared edges stay watertight. docs/method.md, "Packets".
 
 #if defined(KAIROS_PACKET_TEST_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KAIROS_PACKET_TEST_INL_H
@@ -36,7 +36,6 @@ struct alignas(64) PacketTriangles {
   float depth[2][3][kWidth];  ///< [key][vertex][triangle]
   float nearest[kWidth];      ///< depth of the nearest vertex
   uint32_t candidates = 0;    ///< triangles that any ray may meet
-  uint32_t behind = 0;        ///< those with a vertex behind the origin
 };
 
 /// As FramedKey, in the frame of a packet's middle.
@@ -79,12 +78,13 @@ HWY_INLINE void FrameKey(const BlockKey& from, const RayPacket& packet, PacketKe
   const V wide_u = hn::Set(d, packet.widest_u), wide_v = hn::Set(d, packet.widest_v);
   for (size_t lane = 0; lane < kWidth; lane += hn::Lanes(d)) {
     const PacketLanes<decltype(d)> key(d, packet, from, lane);
-    V least_u[3], most_u[3], least_v[3], most_v[3];  // over all rays: they lean by so much per unit of depth
+    V least_u[3], most_u[3], least_v[3], most_v[3];  // over all rays
     for (size_t i = 0; i < 3; ++i) {
       hn::Store(key.u[i], d, to.u[i] + lane);
       hn::Store(key.v[i], d, to.v[i] + lane);
       hn::Store(key.depth[i], d, to.depth[i] + lane);
-      const V size = hn::Abs(key.depth[i]), lean_u = hn::Mul(wide_u, size), lean_v = hn::Mul(wide_v, size);
+      const V size = packet.parallel ? hn::Set(d, 1.0f) : hn::Abs(key.depth[i]), lean_u = hn::Mul(wide_u, size),
+              lean_v = hn::Mul(wide_v, size);
       least_u[i] = hn::Sub(key.u[i], lean_u);
       most_u[i] = hn::Add(key.u[i], lean_u);
       least_v[i] = hn::Sub(key.v[i], lean_v);
@@ -106,9 +106,9 @@ HWY_INLINE void PrepareTriangles(const Span& span, const Key& at_begin, const Ke
   const V zero = hn::Zero(d), half = hn::Set(d, 0.5f);
   const V wide_u = hn::Set(d, packet.widest_u), wide_v = hn::Set(d, packet.widest_v);
   const V error = hn::Set(d, kTermError);
-  const V most_depth = hn::Set(d, nearest_hidden / packet.least_dist_per_depth);
+  const V most_depth = hn::Set(d, (nearest_hidden + packet.last_start) / packet.least_dist_per_depth);
   const V one = hn::Set(d, 1.0f), two = hn::Set(d, 2.0f);
-  out.candidates = out.behind = 0;
+  out.candidates = 0;
   for (size_t lane = 0; lane < kWidth; lane += hn::Lanes(d)) {
     if (lanes >> lane == 0) break;
     // [begin, end] in the time of the key spans, and the weights of the Bernstein coefficients on [0, 1] in those
@@ -141,17 +141,26 @@ HWY_INLINE void PrepareTriangles(const Span& span, const Key& at_begin, const Ke
       const size_t i = (edge + 1) % 3, j = (edge + 2) % 3;
       V at[3], along_u[3], along_v[3];
       for (size_t c = 0; c < 3; ++c) {
+        const auto coefficient = [&](const auto& at_keys) HWY_ATTR {
+          return c == 1 ? hn::Mul(half, hn::Add(at_keys(0, 1), at_keys(1, 0))) : at_keys(c / 2, c / 2);
+        };
         const auto cross = [&](auto a, auto b) HWY_ATTR {
-          const auto at_keys = [&](size_t key_i, size_t key_j) HWY_ATTR {
+          return coefficient([&](size_t key_i, size_t key_j) HWY_ATTR {
             return hn::Sub(hn::Mul((key[key_i].*a)[i], (key[key_j].*b)[j]),
                            hn::Mul((key[key_i].*b)[i], (key[key_j].*a)[j]));
-          };
-          return c == 1 ? hn::Mul(half, hn::Add(at_keys(0, 1), at_keys(1, 0))) : at_keys(c / 2, c / 2);
+          });
         };
         using L = PacketLanes<decltype(d)>;
         at[c] = cross(&L::v, &L::u);
-        along_u[c] = cross(&L::v, &L::depth);
-        along_v[c] = cross(&L::depth, &L::u);
+        if (packet.parallel) {  // 1 in place of the depths
+          along_u[c] = coefficient([&](size_t key_i, size_t key_j)
+                                       HWY_ATTR { return hn::Sub(key[key_i].v[i], key[key_j].v[j]); });
+          along_v[c] = coefficient([&](size_t key_i, size_t key_j)
+                                       HWY_ATTR { return hn::Sub(key[key_j].u[j], key[key_i].u[i]); });
+        } else {
+          along_u[c] = cross(&L::v, &L::depth);
+          along_v[c] = cross(&L::depth, &L::u);
+        }
         hn::Store(at[c], d, out.term[edge][c].at + lane);
         hn::Store(along_u[c], d, out.term[edge][c].along_u + lane);
         hn::Store(along_v[c], d, out.term[edge][c].along_v + lane);
@@ -177,7 +186,6 @@ HWY_INLINE void PrepareTriangles(const Span& span, const Key& at_begin, const Ke
     }
     alive = hn::Or(front, back);
     out.candidates |= MaskBits(d, alive) << lane;
-    out.behind |= MaskBits(d, hn::And(alive, hn::Le(nearest, zero))) << lane;
   }
 }
 
@@ -203,25 +211,15 @@ HWY_INLINE void TestPacket(const PacketTriangles& triangles, size_t triangle, co
       return hn::LoadDup128(d, of_triangles + triangle);
   };
   // Lanes of triangles that are no candidates are not looked at.
-  constexpr uint32_t kAllLanes = (1u << kPacketLanes) - 1;
-  uint32_t wanted = kAllLanes, behind = 0;
-  if constexpr (kRays == kPacketLanes) {
-    behind = (triangles.behind >> triangle & 1) != 0 ? kAllLanes : 0;
-  } else {
-    wanted = (triangles.candidates >> triangle & 0xf) * 0x1111u;
-    behind = (triangles.behind >> triangle & 0xf) * 0x1111u;
-  }
+  uint32_t wanted = (1u << kPacketLanes) - 1;
+  if constexpr (kRays != kPacketLanes) wanted = (triangles.candidates >> triangle & 0xf) * 0x1111u;
   hits.hit = hits.front = hits.bent = hits.rare = hits.solved = 0;
   const size_t lanes_used = packet.rays.size() * (kPacketLanes / kRays);
   wanted &= (1u << lanes_used) - 1;
   for (size_t lane = 0; lane < lanes_used; lane += hn::Lanes(d)) {
-    const V dist_per_depth = hn::Load(d, packet.dist_per_depth + lane);
-    const auto mask = [&](uint32_t bits) HWY_ATTR {
-      const uint8_t bytes[8] = {static_cast<uint8_t>(bits >> lane), static_cast<uint8_t>(bits >> lane >> 8)};
-      return hn::LoadMaskBits(d, bytes);
-    };
-    const auto alive = hn::And(
-        mask(wanted), hn::Le(hn::Mul(dist_per_depth, value(triangles.nearest)), hn::Load(d, visible_until + lane)));
+    const V dist_per_depth = hn::Load(d, packet.dist_per_depth + lane), start = hn::Load(d, packet.start + lane);
+    const V nearest = hn::Sub(hn::Mul(dist_per_depth, value(triangles.nearest)), start);
+    const auto alive = hn::And(LanesOf(d, wanted >> lane), hn::Le(nearest, hn::Load(d, visible_until + lane)));
     if (hn::AllFalse(d, alive)) continue;
     const V lean_u = hn::Load(d, packet.lean_u + lane), lean_v = hn::Load(d, packet.lean_v + lane);
     QuadraticLanes<D> e[3];
@@ -239,7 +237,12 @@ HWY_INLINE void TestPacket(const PacketTriangles& triangles, size_t triangle, co
       key0[i] = hn::Mul(dist_per_depth, value(triangles.depth[0][i]));
       key1[i] = hn::Mul(dist_per_depth, value(triangles.depth[1][i]));
     }
-    SolveLanes(d, DistLanes<D>{key0, key1}, e, alive, mask(behind), lane, hits);
+    if (packet.parallel)
+      for (size_t i = 0; i < 3; ++i) {
+        key0[i] = hn::Sub(key0[i], start);
+        key1[i] = hn::Sub(key1[i], start);
+      }
+    SolveLanes(d, DistLanes<D>{key0, key1}, e, alive, hn::Le(nearest, hn::Zero(d)), lane, hits);
   }
 }
 
@@ -255,7 +258,7 @@ HWY_INLINE void UnpackTriangle(const PacketTriangles& triangles, size_t triangle
                    coefficient(triangles.term[edge][2])};
   for (size_t key = 0; key < 2; ++key)
     for (size_t i = 0; i < 3; ++i)
-      framed.dist[key][i] = packet.dist_per_depth[lane] * triangles.depth[key][i][triangle];
+      framed.dist[key][i] = packet.dist_per_depth[lane] * triangles.depth[key][i][triangle] - packet.start[lane];
 }
 
 }  // namespace HWY_NAMESPACE

@@ -70,8 +70,7 @@ enum class RayMode {
 struct RayState {
   RayMode mode = RayMode::visible;
   TraceLimits limits;
-  bool limited =
-      false;  ///< hits are not taken as they are: they are cut to the limits, or hide more than what is behind
+  bool limited = false;  ///< hits are not taken as they are: they are cut to the limits
   TimeBins bins;
   std::vector<Segment> hits;
   std::vector<StackEntry> stack;
@@ -90,6 +89,10 @@ struct RayState {
   bool culls() const { return mode != RayMode::all; }
   /// Do the bins say anything?
   bool clips() const { return culls() || limited; }
+  /// Do hits' distances matter, beyond their ends'?
+  bool wants_distances() const { return mode == RayMode::visible || limited; }
+  /// How far away does everything begin that a hit hides while it lasts? farthest: of the hit.
+  float hides_from(float farthest) const { return mode == RayMode::occluded ? TimeBins::kNearest : farthest; }
   /// Is the answer complete, whatever else is met?
   bool is_complete() const { return mode == RayMode::occluded && bins.reaching(0) == 0; }
 
@@ -101,7 +104,7 @@ struct RayState {
     mode = wanted;
     limits = wanted_limits;
     if (!scaled.is_as_given()) limits.max_dist = scaled.from_given(limits.max_dist);
-    limited = mode == RayMode::occluded || !limits.is_everything();
+    limited = !limits.is_everything();
     hits.clear();
     blended_hits.clear();
     blended.clear();
@@ -227,9 +230,7 @@ struct RayState {
     return true;
   }
   void accept(const Segment& hit) {
-    if (culls())
-      bins.cover(hit.begin, hit.end,
-                 mode == RayMode::occluded ? TimeBins::kNearest : std::max(hit.dist_begin, hit.dist_end));
+    if (culls()) bins.cover(hit.begin, hit.end, hides_from(std::max(hit.dist_begin, hit.dist_end)));
     hits.push_back(hit);
   }
   void accept_blended(const Segment& hit) {
@@ -254,14 +255,14 @@ Segment to_segment(const HitInterval<Real>& hit, uint32_t mesh, uint32_t triangl
           hit.front};
 }
 
-/// Hands on a hit to `add`, in shutter time; where order matters and the distance does not run straight between its
-/// ends, in pieces in which it does.
+/// Hands on a hit to `add`, in shutter time; where distances matter and this one does not run straight between the
+/// hit's ends, in pieces in which it does.
 template <class Real, class Add>
 void add_in_pieces(const RayState& state, const FramedTriangle<Real>& f, const std::array<Quadratic<Real>, 3>& e,
                    const HitInterval<Real>& hit, uint32_t mesh, uint32_t triangle, float span_begin, float span_end,
                    const Add& add, int cuts = 0) {
   const Real duration = (hit.end - hit.begin) * Real(span_end - span_begin);
-  if (state.clips() && cuts < kDeepestCut<Real> && duration > Real(kShortestCut)) {
+  if (state.wants_distances() && cuts < kDeepestCut<Real> && duration > Real(kShortestCut)) {
     const Real middle = Real(0.5) * (hit.begin + hit.end);
     const Real dist = distance_at(f, e, middle);
     const Real straight = Real(0.5) * (hit.dist_begin + hit.dist_end);

@@ -264,14 +264,17 @@ void resolve_visible(const std::vector<Segment>& hits, ResolveScratch& scratch, 
   Sweep(hits, scratch, out).run();
 }
 
-void unite_hits(std::vector<Segment>& hits, std::vector<TimeRange>& out) {
-  std::sort(hits.begin(), hits.end(), [](const Segment& a, const Segment& b) { return a.begin < b.begin; });
+void unite_hits(const std::vector<Segment>& hits, std::vector<TimeRange>& out) {
   out.clear();
-  for (const Segment& hit : hits)
-    if (!out.empty() && hit.begin <= out.back().end + kTimeSnap)
-      out.back().end = std::max(out.back().end, hit.end);
+  for (const Segment& hit : hits) out.push_back({hit.begin, hit.end});
+  std::sort(out.begin(), out.end(), [](const TimeRange& a, const TimeRange& b) { return a.begin < b.begin; });
+  size_t count = 0;
+  for (const TimeRange& hit : out)
+    if (count > 0 && hit.begin <= out[count - 1].end + kTimeSnap)
+      out[count - 1].end = std::max(out[count - 1].end, hit.end);
     else
-      out.push_back({hit.begin, hit.end});
+      out[count++] = hit;
+  out.resize(count);
 }
 
 void order_all(std::vector<Segment>& hits, std::vector<Segment>& out) {

@@ -30,7 +30,7 @@ struct ResolveScratch {
 void resolve_visible(const std::vector<Segment>& hits, ResolveScratch& scratch, std::vector<Segment>& out);
 
 /// Replaces `out` by the stretches of time in which there is any hit, in order. Those closer than kTimeSnap are joined.
-void unite_hits(std::vector<Segment>& hits, std::vector<TimeRange>& out);
+void unite_hits(const std::vector<Segment>& hits, std::vector<TimeRange>& out);
 
 /// Replaces `out` by all hits, ordered by begin, mesh, triangle; stretches of one side of one triangle that follow on
 /// each other are joined.

@@ -45,17 +45,18 @@ HWY_INLINE void PrepareTriangles(const TriangleBlock<kStaticKeys>& block, const 
   const V ow = hn::Set(d, packet.origin[packet.kw]);
   const V su = hn::Set(d, packet.shear_u), sv = hn::Set(d, packet.shear_v), ahead = hn::Set(d, packet.ahead);
   const V wide_u = hn::Set(d, packet.widest_u), wide_v = hn::Set(d, packet.widest_v);
-  const V most_depth = hn::Set(d, nearest_hidden / packet.least_dist_per_depth);
+  const V most_depth = hn::Set(d, (nearest_hidden + packet.last_start) / packet.least_dist_per_depth);
   out.candidates = 0;
   for (size_t lane = 0; lane < kWidth; lane += hn::Lanes(d)) {
     if (lane >= block.count) break;
-    V u[3], v[3], depth[3];
+    V u[3], v[3], depth[3], reach[3];
     for (size_t i = 0; i < 3; ++i) {
       const auto& position = block.position[0][i];
       const V w = hn::Sub(hn::Load(d, position[packet.kw] + lane), ow);
       u[i] = hn::Sub(hn::Sub(hn::Load(d, position[packet.ku] + lane), ou), hn::Mul(su, w));
       v[i] = hn::Sub(hn::Sub(hn::Load(d, position[packet.kv] + lane), ov), hn::Mul(sv, w));
       depth[i] = hn::Mul(w, ahead);
+      reach[i] = packet.parallel ? hn::Set(d, 1.0f) : depth[i];
       hn::Store(depth[i], d, out.depth[i] + lane);
     }
     const V nearest = hn::Min(hn::Min(depth[0], depth[1]), depth[2]);
@@ -67,8 +68,8 @@ HWY_INLINE void PrepareTriangles(const TriangleBlock<kStaticKeys>& block, const 
     for (size_t edge = 0; edge < 3; ++edge) {
       const size_t i = (edge + 1) % 3, j = (edge + 2) % 3;
       const V at = hn::Sub(hn::Mul(v[i], u[j]), hn::Mul(u[i], v[j]));
-      const V along_u = hn::Sub(hn::Mul(v[i], depth[j]), hn::Mul(depth[i], v[j]));
-      const V along_v = hn::Sub(hn::Mul(depth[i], u[j]), hn::Mul(u[i], depth[j]));
+      const V along_u = hn::Sub(hn::Mul(v[i], reach[j]), hn::Mul(reach[i], v[j]));
+      const V along_v = hn::Sub(hn::Mul(reach[i], u[j]), hn::Mul(u[i], reach[j]));
       hn::Store(at, d, out.term[edge].at + lane);
       hn::Store(along_u, d, out.term[edge].along_u + lane);
       hn::Store(along_v, d, out.term[edge].along_v + lane);
@@ -127,7 +128,8 @@ HWY_INLINE void TestPacket(const StillTriangles& triangles, size_t triangle, con
     const auto seen = hn::AndNot(hn::Eq(weight, zero), hn::Or(front, hn::Le(most, zero)));
     if (hn::AllFalse(d, seen)) continue;
     const V depth = hn::Max(hn::Min(hn::Div(sum, weight), high), low);
-    const V dist = hn::Mul(depth, hn::Load(d, packet.dist_per_depth + lane));
+    const V from_plane = hn::Mul(depth, hn::Load(d, packet.dist_per_depth + lane));
+    const V dist = hn::Sub(from_plane, hn::Load(d, packet.start + lane));
     const auto hit = hn::And(seen, hn::And(hn::Gt(dist, zero), hn::Le(dist, farthest)));
     const uint32_t hit_bits = MaskBits(d, hit) << lane & wanted;
     hits.hit |= hit_bits;

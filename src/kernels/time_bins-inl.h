@@ -55,7 +55,7 @@ HWY_INLINE bool AddWhole(RayState& state, const Segment& hit, TimeBins::Mask tou
   bool closes = false;
   if (state.culls()) {
     if ((Reaching(state.bins, std::min(hit.dist_begin, hit.dist_end)) & touched) == 0) return false;
-    const float farthest = std::max(hit.dist_begin, hit.dist_end);
+    const float farthest = state.hides_from(std::max(hit.dist_begin, hit.dist_end));
     if (filled != 0) CloseBins(state.bins, filled, farthest);
     closes = filled != 0;
     if (touched != filled) closes |= state.bins.grow_runs(touched & ~filled, hit.begin, hit.end, farthest);

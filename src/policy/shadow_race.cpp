@@ -73,24 +73,32 @@ std::vector<bool> race_shadows(const PixelContext& context, const Shot& shot, Sh
   RestingLightSteps steps;
   std::map<uint32_t, Tally> tallies;
   std::array<Ray, Tracer::kMaxPacket> rays;
+  std::vector<uint32_t> points_on;  // meshes
   std::vector<LightSeen> looks;
   std::vector<LookPixel> pixels = look_pixels(shot.projection);
   pixels.resize(std::min(pixels.size(), kShadowPixels));
   for (const auto& [x, y] : pixels) {
     const Sampler::Pixel pixel = points.pixel(x, y);
     for (uint32_t k = 0; k < count; ++k) rays[k] = context.ray(x, y, points.point(pixel, k));
-    looks.clear();
+    points_on.clear();
+    steps.clear();
     for (const Ray& ray : std::span(rays).first(count)) {
       const auto seen = tracer.trace(ray, Visibility::visible, workspace);
       const auto on = std::find_if(seen.begin(), seen.end(), [&](const Segment& s) { return receivers[s.mesh]; });
       if (on == seen.end()) continue;
-      const TraceCounters before = steps.counters();
-      steps.look(shadows, ray, on->mesh, on->triangle, {});
-      Tally& tally = tallies[on->mesh];
+      points_on.push_back(on->mesh);
+      steps.add(shadows, ray, on->mesh, on->triangle);
+    }
+    const TraceCounters before = steps.counters();
+    steps.look(shadows, {});
+    const double time = exact_look_time(0, steps.counters()) - exact_look_time(0, before);
+    looks.clear();
+    for (size_t point = 0; point < points_on.size(); ++point) {
+      Tally& tally = tallies[points_on[point]];
       ++tally.looks;
-      tally.time += exact_look_time(1, steps.counters()) - exact_look_time(0, before);
-      tally.lights += static_cast<double>(steps.lights());
-      looks.push_back(light_seen(on->mesh, steps.steps(), samples));
+      tally.time += exact_look_time(1, {}) + time / static_cast<double>(points_on.size());
+      tally.lights += static_cast<double>(steps.lights(point));
+      looks.push_back(light_seen(points_on[point], steps.steps(point), samples));
     }
     for (auto& [mesh, tally] : tallies) {
       double n = 0, sum = 0, squares = 0;

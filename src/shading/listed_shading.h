@@ -13,12 +13,27 @@
 #include "shading/exact_mirrors.h"
 #include "shading/exact_shadows.h"
 #include "shading/look_ups.h"
+#include "shading/packet_shadows.h"
 #include "shading/sample_lists.h"
 #include "shading/segment_shading.h"
 #include "shading/shader.h"
 #include "shading/step_sum.h"
 
 namespace kairos {
+
+/// The rays of a pixel that are shaded together, as they were traced together.
+struct TracedRays {
+  std::span<const Ray> rays;
+  std::span<const SeenByRay> seen;
+  std::span<const float> phases;  ///< one per ray, see spread_samples
+  uint64_t pixel_seed;
+  uint32_t first;      ///< number of the first ray within its pixel
+  TimeRange window{};  ///< that of the rays
+  /// Of the packet in which they were traced, where the first of them is its ray number `first_exact`. Null: nothing is
+  /// known yet of exact shadows.
+  const PacketShadows* exact_shadows = nullptr;
+  size_t first_exact = 0;
+};
 
 /// Where shading is dear, and noisy by itself, what counts is how many samples there are in a pixel and how they are
 /// spread, not that every triangle has one. So all segments of all rays are laid end to end, see SampleLists:
@@ -43,10 +58,9 @@ class ListedShading {
   /// samples: per ray that sees something all the time. Appends the parts of all rays' segments to `out`, ray by ray,
   /// and for each ray to `ends` the number of parts after it: they cover exactly what its segments cover, and each is
   /// part of one of them, with its own normal and albedo where `out` keeps such; of the sky where pictures of it are
-  /// seen. phases: see PacketShading::Packet. Returns the number of evaluations made.
-  uint64_t shade(std::span<const Ray> rays, std::span<const SeenByRay> seen, std::span<const float> phases,
-                 const TimeRange& window, double samples, uint64_t pixel_seed, uint32_t first_ray, RecordBuilder& out,
-                 std::vector<uint32_t>& ends) {
+  /// seen. Returns the number of evaluations made.
+  uint64_t shade(const TracedRays& traced, double samples, RecordBuilder& out, std::vector<uint32_t>& ends) {
+    const auto& [rays, seen, phases, pixel_seed, first_ray, window, exact_shadows, first_exact] = traced;
     make_lists(rays, seen, samples / (static_cast<double>(window.end) - static_cast<double>(window.begin)));
     sky_rate_ = shader_.sky_varies() ? samples / static_cast<double>(window.end - window.begin) : 0;
     phase_ = unit_float(hash(pixel_seed, first_ray, kListPhase));
@@ -55,7 +69,7 @@ class ListedShading {
     first_knot_ = out.add_knots(out.keeps_surfaces() ? 0 : count);
     if (!out.keeps_surfaces())
       for (uint32_t i = 0; i < lists_.before_mirrors(); ++i) set_knot(out, first_knot_ + i, i);
-    hand_out(rays, seen, window, out, ends);
+    hand_out(traced, out, ends);
     return look_ups_ == nullptr ? count : 0;
   }
 
@@ -162,15 +176,17 @@ class ListedShading {
   }
 
   /// Cuts segments where one stretch of their list ends and the next begins.
-  void hand_out(std::span<const Ray> rays, std::span<const SeenByRay> seen, const TimeRange& window, RecordBuilder& out,
-                std::vector<uint32_t>& ends) {
+  void hand_out(const TracedRays& traced, RecordBuilder& out, std::vector<uint32_t>& ends) {
+    const auto& rays = traced.rays;
+    const TimeRange& window = traced.window;
     uint32_t number = 0;
     next_mirror_ = next_sight_ = 0;
     next_in_mirrors_ = straight_;
     for (size_t r = 0; r < rays.size(); ++r) {
       float time = window.begin;
       uint32_t looked_mesh = kNoMesh, looked_triangle = 0;
-      for (const Segment& segment : seen[r].segments) {
+      std::span<const RestingLightSteps::Step> steps;
+      for (const Segment& segment : traced.seen[r].segments) {
         add_sky(rays[r], time, segment.begin, out);
         time = segment.end;
         const SampleLists::Kind kind = kind_of(segment.mesh);
@@ -180,13 +196,18 @@ class ListedShading {
         }
         const bool exact = kind == SampleLists::with_shadows;
         if (exact && (segment.mesh != looked_mesh || segment.triangle != looked_triangle)) {
-          steps_.look(*shadows_, rays[r], segment.mesh, segment.triangle, window);
+          if (traced.exact_shadows != nullptr)
+            steps = traced.exact_shadows->steps(traced.first_exact + r, segment.mesh, segment.triangle);
+          if (traced.exact_shadows == nullptr || steps.empty()) {
+            steps_.look(*shadows_, rays[r], segment.mesh, segment.triangle, window);
+            steps = steps_.steps();
+          }
           looked_mesh = segment.mesh;
           looked_triangle = segment.triangle;
         }
         lists_.visit_stretches(number++, [&](float begin, float end, uint32_t sample) {
           if (exact)
-            add_steps(rays[r], segment, begin, end, sample, out);
+            add_steps(rays[r], segment, steps, begin, end, sample, out);
           else
             out.add_part(part_of(segment, begin, end, knot(rays[r], segment, begin, end, sample, out)));
         });
@@ -228,8 +249,9 @@ class ListedShading {
   }
 
   /// A sample's stretch of a segment with exact shadows on it: cut where these change.
-  void add_steps(const Ray& ray, const Segment& segment, float begin, float end, uint32_t sample, RecordBuilder& out) {
-    for (const auto& step : steps_.steps()) {
+  void add_steps(const Ray& ray, const Segment& segment, std::span<const RestingLightSteps::Step> steps, float begin,
+                 float end, uint32_t sample, RecordBuilder& out) {
+    for (const auto& step : steps) {
       if (!(step.end > begin)) continue;
       const float until = std::min(end, step.end), middle = begin + (until - begin) * 0.5f;
       const Vec3f sum = shades_[sample].colour + step.light;

@@ -28,15 +28,7 @@ class PacketShading {
         single_(shader, of_single_rays(shader, options)),
         listed_(shader, options.shadows, options.mirrors, look_ups) {}
 
-  /// The rays of a pixel that are shaded together, as they were traced together.
-  struct Packet {
-    std::span<const Ray> rays;
-    std::span<const SeenByRay> seen;
-    std::span<const float> phases;  ///< one per ray, see spread_samples
-    uint64_t pixel_seed;
-    uint32_t first;      ///< number of the first ray within its pixel
-    TimeRange window{};  ///< that of the rays
-  };
+  using Packet = TracedRays;
 
   /// Appends the parts of all rays' segments to `out`, ray by ray, and for each ray to `ends` the number of parts after
   /// it. The parts of a ray cover exactly what its segments cover, and each is part of one of them.
@@ -45,8 +37,7 @@ class PacketShading {
         std::any_of(packet.seen.begin(), packet.seen.end(), [](const SeenByRay& ray) { return !ray.blended.empty(); });
     if (options_.clusters == Clusters::pixel && !blended && (shader_.is_lit() || !shader_.has_sky())) {
       if (!shader_.is_lit()) return shade_together(packet, out, ends);
-      evaluations_ += listed_.shade(packet.rays, packet.seen, packet.phases, packet.window, options_.samples,
-                                    packet.pixel_seed, packet.first, out, ends);
+      evaluations_ += listed_.shade(packet, options_.samples, out, ends);
       return;
     }
     for (size_t i = 0; i < packet.rays.size(); ++i) {
@@ -54,6 +45,11 @@ class PacketShading {
                     packet.first + static_cast<uint32_t>(i), packet.phases[i], out);
       ends.push_back(out.part_count());
     }
+  }
+
+  /// Those that shade() wants to find in a packet whose rays see no blended surfaces; null: none.
+  const ExactShadows* packet_shadows() const {
+    return shader_.is_lit() && options_.clusters == Clusters::pixel ? options_.shadows : nullptr;
   }
 
   uint64_t evaluations() const { return single_.evaluations() + evaluations_; }

@@ -151,7 +151,9 @@ class SteadyShading {
       ++evaluations_;
       const ShadingQuery query{ray, seen.mesh, seen.triangle, window_.begin, 0, key_};
       Steady found{seen.mesh, seen.triangle, false, {}, {}};
-      found.in_steps = steps_.look_at_all(*options_.shadows, query, window_, found.base);
+      steps_.clear();
+      found.in_steps = steps_.add_with_all(*options_.shadows, query, found.base);
+      steps_.look(*options_.shadows, window_);
       if (found.in_steps) found.steps.assign(steps_.steps().begin(), steps_.steps().end());
       steady_.push_back(std::move(found));
       known = steady_.end() - 1;

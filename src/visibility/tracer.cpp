@@ -47,6 +47,10 @@ float largest_coordinate(std::span<const Mesh> meshes) {
   return largest;
 }
 
+/// Parallel rays that are farther apart than this share of the largest coordinate see different things; and the smaller
+/// what they meet is against how far they are apart, the worse it is resolved from their middle.
+constexpr float kWidestParallel = 1.0f / 64;
+
 RayMode mode_of(Visibility visibility) { return visibility == Visibility::visible ? RayMode::visible : RayMode::all; }
 
 }  // namespace
@@ -74,11 +78,39 @@ struct Tracer::Impl {
     if (is_traceable(state.scaled.ray)) collect(accel, state.scaled.ray, state);
     state.end_ray();
   }
+  /// In packets where `together` and rays fit into one. states: one per ray.
+  void run(std::span<RayState> states, RayMode mode, const TraceLimits& limits, std::span<const Ray> rays,
+           std::span<const Segment> occluder_hints, bool together) const {
+    check(limits);
+    for (size_t i = 0; i < rays.size(); ++i) {
+      begin(states[i], mode, limits, rays[i]);
+      if (!occluder_hints.empty()) states[i].add_occluder_hint(occluder_hints[i]);
+      together = together && is_traceable(states[i].scaled.ray) && states[i].scaled.exponent == exponent &&
+                 states[i].scaled.ahead == 0;
+    }
+    std::optional<RayPacket> packet;
+    std::array<Ray, kMaxPacket> scaled;
+    if (together && rays.size() > 1 && collect_packet != nullptr) {
+      if (exponent != 0) {
+        for (size_t i = 0; i < rays.size(); ++i) scaled[i] = states[i].scaled.ray;
+        rays = std::span<const Ray>(scaled).first(rays.size());
+      }
+      packet = make_packet(rays, extent * kWidestParallel);
+    }
+    if (packet) {
+      collect_packet(accel, *packet, states);
+    } else {
+      for (RayState& state : states)
+        if (is_traceable(state.scaled.ray)) collect(accel, state.scaled.ray, state);
+    }
+    for (RayState& state : states) state.end_ray();
+  }
 };
 
 struct Tracer::Workspace::State {
   std::array<RayState, kMaxPacket> rays;
   std::array<SeenByRay, kMaxPacket> results;
+  std::array<std::span<const TimeRange>, kMaxPacket> covered;
 };
 
 Tracer::Workspace::Workspace() : state_(std::make_unique<State>()) {}
@@ -141,33 +173,20 @@ std::span<const SeenByRay> Tracer::trace_packet(std::span<const Ray> rays, Visib
     throw Error(ErrorCode::bad_usage, "Tracer::trace_packet", "more than 16 rays; divide them into several packets");
   if (!occluder_hints.empty() && occluder_hints.size() != rays.size())
     throw Error(ErrorCode::bad_usage, "Tracer::trace_packet", "give as many occluder hints as rays, or none");
-  check(limits);
-  auto& [states, results] = *workspace.state_;
-  const auto used = std::span(states).first(rays.size());
-  for (size_t i = 0; i < rays.size(); ++i) {
-    impl_->begin(states[i], mode_of(visibility), limits, rays[i]);
-    if (!occluder_hints.empty()) states[i].add_occluder_hint(occluder_hints[i]);
-    together = together && is_traceable(states[i].scaled.ray) && states[i].scaled.exponent == impl_->exponent &&
-               states[i].scaled.ahead == 0;
-  }
-  std::optional<RayPacket> packet;
-  if (together && rays.size() > 1 && impl_->collect_packet != nullptr) {
-    std::array<Ray, kMaxPacket> scaled;
-    if (impl_->exponent != 0)
-      for (size_t i = 0; i < rays.size(); ++i) scaled[i] = states[i].scaled.ray;
-    packet = make_packet(impl_->exponent == 0 ? rays : std::span<const Ray>(scaled).first(rays.size()));
-  }
-  if (packet) {
-    impl_->collect_packet(impl_->accel, *packet, used);
-  } else {
-    for (size_t i = 0; i < rays.size(); ++i)
-      if (is_traceable(states[i].scaled.ray)) impl_->collect(impl_->accel, states[i].scaled.ray, states[i]);
-  }
-  for (size_t i = 0; i < rays.size(); ++i) {
-    states[i].end_ray();
-    results[i] = {states[i].segments, states[i].blended};
-  }
+  auto& [states, results, covered] = *workspace.state_;
+  impl_->run(std::span(states).first(rays.size()), mode_of(visibility), limits, rays, occluder_hints, together);
+  for (size_t i = 0; i < rays.size(); ++i) results[i] = {states[i].segments, states[i].blended};
   return std::span(results).first(rays.size());
+}
+
+std::span<const std::span<const TimeRange>> Tracer::occluded_packet(std::span<const Ray> rays, Workspace& workspace,
+                                                                    const TraceLimits& limits) const {
+  if (rays.size() > kMaxPacket)
+    throw Error(ErrorCode::bad_usage, "Tracer::occluded_packet", "more than 16 rays; divide them into several packets");
+  auto& [states, results, covered] = *workspace.state_;
+  impl_->run(std::span(states).first(rays.size()), RayMode::occluded, limits, rays, {}, true);
+  for (size_t i = 0; i < rays.size(); ++i) covered[i] = states[i].covered;
+  return std::span(covered).first(rays.size());
 }
 
 SegmentBatch Tracer::trace(std::span<const Ray> rays, Visibility visibility, TraceCounters* counters,

@@ -28,6 +28,21 @@ std::vector<Ray> bundle(std::mt19937& random, size_t count, float width) {
   return rays;
 }
 
+/// As many that are parallel, from origins within `width` of each other but for how far along their way they lie: in
+/// one of four draws along an axis, as those to a sun straight above are.
+std::vector<Ray> parallel_bundle(std::mt19937& random, size_t count, float width) {
+  std::uniform_real_distribution<float> off(-width / 2, width / 2), along(0, 1);
+  Ray middle = test::random_ray(random);
+  if (random() % 4 == 0) middle.direction = {0, 0, -1};
+  std::vector<Ray> rays;
+  for (size_t i = 0; i < count; ++i) {
+    const float x = off(random), y = off(random);
+    rays.push_back({middle.origin + Vec3f{x, y, 0} + middle.direction * along(random), middle.direction});
+  }
+  EXPECT_TRUE(count < 2 || make_packet(rays).has_value());
+  return rays;
+}
+
 std::vector<std::vector<Segment>> trace_packet(const Tracer& tracer, std::span<const Ray> rays, Visibility visibility) {
   Tracer::Workspace workspace;
   std::vector<std::vector<Segment>> results;
@@ -64,8 +79,8 @@ TEST_P(Packets, AgreeWithExactSingleRaysAtAlmostAllInstants) {
     const Tracer exact(std::vector{mesh}, {Precision::exact, InstructionSet::scalar});
     const Tracer fast(std::vector{mesh}, {Precision::fast, GetParam()});
     for (size_t count = 2; count <= Tracer::kMaxPacket; ++count)
-      for (const float width : {1e-3f, 0.05f}) {
-        const std::vector<Ray> rays = bundle(random, count, width);
+      for (const auto& rays :
+           {bundle(random, count, 1e-3f), bundle(random, count, 0.05f), parallel_bundle(random, count, 0.1f)}) {
         const auto got = trace_packet(fast, rays, Visibility::visible);
         ASSERT_EQ(got.size(), count);
         Tracer::Workspace workspace;
@@ -90,7 +105,7 @@ TEST_P(Packets, MeetTheTrianglesThatSingleRaysMeet) {
     const Tracer tracer(std::vector{random_soup(random, motion, 200)}, {Precision::fast, GetParam()});
     Tracer::Workspace workspace;
     for (int i = 0; i < 40; ++i) {
-      const std::vector<Ray> rays = bundle(random, 16, 0.02f);
+      const std::vector<Ray> rays = i % 2 == 0 ? bundle(random, 16, 0.02f) : parallel_bundle(random, 16, 0.1f);
       const auto got = trace_packet(tracer, rays, Visibility::all);
       for (size_t r = 0; r < rays.size(); ++r) {
         const auto want = tracer.trace(rays[r], Visibility::all, workspace);
@@ -106,6 +121,79 @@ TEST_P(Packets, MeetTheTrianglesThatSingleRaysMeet) {
     }
   }
   EXPECT_LE(different, segments / 200) << "of " << segments << ", seed " << seed;
+}
+
+/// Also rays that begin amid what they are to meet, and end there.
+TEST_P(Packets, AreOccludedWhenSingleRaysAre) {
+  const uint32_t seed = test::seed();
+  size_t instants = 0, agree = 0, covered = 0;
+  const auto is_covered = [](std::span<const TimeRange> ranges, float time) {
+    return std::any_of(ranges.begin(), ranges.end(),
+                       [&](const TimeRange& r) { return r.begin <= time && time < r.end; });
+  };
+  for (const test::Motion motion : test::kAllMotions) {
+    std::mt19937 random(seed + static_cast<uint32_t>(motion));
+    std::vector<Mesh> meshes{random_soup(random, motion, 30)};
+    if (random() % 2) meshes[0] = test::with_random_keys(random, meshes[0], 4);
+    const Tracer exact(meshes, {Precision::exact, InstructionSet::scalar});
+    const Tracer fast(meshes, {Precision::fast, GetParam()});
+    Tracer::Workspace workspace, single;
+    for (size_t count = 1; count <= Tracer::kMaxPacket; ++count) {
+      std::vector<Ray> rays = count % 3 == 0 ? bundle(random, count, 0.02f) : parallel_bundle(random, count, 0.1f);
+      for (Ray& ray : rays) ray.origin.z -= static_cast<float>(count) / 2;
+      TraceLimits limits;
+      if (count % 2 == 0) limits = {0.2f, 0.9f, 6};
+      const auto got = fast.occluded_packet(rays, workspace, limits);
+      ASSERT_EQ(got.size(), count);
+      for (size_t r = 0; r < count; ++r) {
+        const auto want = exact.occluded(rays[r], single, limits);
+        for (int k = 0; k < 64; ++k) {
+          const float time = (static_cast<float>(k) + 0.5f) / 64;
+          ++instants;
+          covered += is_covered(want, time);
+          agree += is_covered(got[r], time) == is_covered(want, time);
+        }
+      }
+    }
+  }
+  EXPECT_GT(covered, instants / 20) << "seed " << seed;
+  EXPECT_GE(static_cast<double>(agree), 0.997 * static_cast<double>(instants)) << "seed " << seed;
+}
+
+/// Boxes must be tested against all rays, not those in their midst.
+TEST_P(Packets, MeetWhatOneOfThemAloneMeets) {
+  const uint32_t seed = test::seed();
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  for (int i = 0; i < 60; ++i) {
+    const std::vector<Ray> rays = i % 3 == 0 ? bundle(random, 16, 0.05f) : parallel_bundle(random, 16, 0.1f);
+    const Ray& one = rays[random() % rays.size()];
+    Mesh mesh = random_soup(random, test::Motion::slow, 1);
+    const auto set = [&](size_t triangle, Vec3f middle) {
+      const Vec3f corners[3] = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
+      for (size_t key = 0; key < 2; ++key)
+        for (size_t v = 0; v < 3; ++v) mesh.positions[key][3 * triangle + v] = middle + corners[v] * 0.003f;
+    };
+    const Vec3f there = one.origin + one.direction * (6 + uniform(random));
+    Vec3f middle{};  // of the rays, at that depth
+    for (const Ray& ray : rays)
+      middle += (ray.origin + ray.direction * ((there.z - ray.origin.z) / ray.direction.z)) / 16.0f;
+    const uint32_t others = 40;  // on the side of the rays on which it is
+    for (uint32_t t = 0; t < others; ++t) {
+      mesh.triangles.push_back({3 * t + 3, 3 * t + 4, 3 * t + 5});
+      for (auto& positions : mesh.positions) positions.resize(3 * (size_t{t} + 2));
+      const float x = 2 + uniform(random), y = 2 + uniform(random), z = uniform(random);
+      set(t + 1, there + Vec3f{std::copysign(x, there.x - middle.x), std::copysign(y, there.y - middle.y), z});
+    }
+    set(0, there);
+    for (Vec3f& p : mesh.positions[1]) p.x += 0.0005f;  // what rests is in a tree of its own
+    const Tracer tracer(std::vector{mesh}, {Precision::fast, GetParam()});
+    const auto got = trace_packet(tracer, rays, Visibility::visible);
+    const auto& seen = got[static_cast<size_t>(&one - rays.data())];
+    ASSERT_EQ(seen.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(seen[0].triangle, 0u);
+    EXPECT_EQ(seen[0].duration(), 1);
+  }
 }
 
 Mesh still_soup(std::mt19937& random, uint32_t count) {
@@ -124,8 +212,7 @@ TEST_P(Packets, SeeTheNearestOfWhatStandsStill) {
     const Tracer fast(meshes, {Precision::fast, GetParam()});
     Tracer::Workspace workspace;
     for (size_t count = 2; count <= Tracer::kMaxPacket; ++count)
-      for (const float width : {1e-3f, 0.02f}) {
-        const std::vector<Ray> rays = bundle(random, count, width);
+      for (const auto& rays : {bundle(random, count, 0.02f), parallel_bundle(random, count, 0.1f)}) {
         const auto got = trace_packet(fast, rays, Visibility::visible);
         for (size_t r = 0; r < count; ++r) {
           const auto want = exact.trace(rays[r], Visibility::visible, workspace);
@@ -153,7 +240,8 @@ TEST_P(Packets, MeetAllOfWhatStandsStill) {
   Tracer::Workspace workspace;
   size_t met = 0, different = 0;
   for (int i = 0; i < 40; ++i) {
-    const std::vector<Ray> rays = bundle(random, 2 + random() % 15, 0.02f);
+    const size_t count = 2 + random() % 15;
+    const std::vector<Ray> rays = i % 2 == 0 ? bundle(random, count, 0.02f) : parallel_bundle(random, count, 0.1f);
     const auto got = trace_packet(tracer, rays, Visibility::all);
     for (size_t r = 0; r < rays.size(); ++r) {
       const auto want = tracer.trace(rays[r], Visibility::all, workspace);
@@ -199,16 +287,20 @@ TEST_P(Packets, AreTracedOneByOneWhereTheyShareNothing) {
   wide[3].direction = wide[3].direction * -1.0f;
   std::vector<Ray> along_axis = bundle(random, 8, 0.01f);
   along_axis[5].direction.x = 0;
+  std::vector<Ray> far_apart = parallel_bundle(random, 8, 0.01f);  // as wide as all that there is
+  far_apart[2].origin.x += 10;
+  EXPECT_FALSE(make_packet(far_apart, 0.1f).has_value());
   std::vector<Ray> broken = bundle(random, 8, 0.01f);
   broken[0].direction.y = std::nanf("");
   Tracer::Workspace workspace;
-  for (const auto& rays : {apart, wide, along_axis, broken}) {
-    EXPECT_TRUE(rays[0].direction != rays[0].direction || !make_packet(rays).has_value());
+  for (const auto& rays : {apart, wide, along_axis, broken, far_apart}) {
+    EXPECT_TRUE(rays[0].direction != rays[0].direction || !make_packet(rays, 0.1f).has_value());
     const auto got = trace_packet(tracer, rays, Visibility::visible);
     for (size_t r = 0; r < rays.size(); ++r) expect_same(got[r], tracer.trace(rays[r], Visibility::visible, workspace));
   }
   EXPECT_TRUE(trace_packet(tracer, {}, Visibility::visible).empty());
   EXPECT_THROW(trace_packet(tracer, bundle(random, 17, 0.01f), Visibility::visible), Error);
+  EXPECT_THROW(tracer.occluded_packet(bundle(random, 17, 0.01f), workspace), Error);
 }
 
 TEST_P(Packets, GiveTheSameBitsWithAnyVectorInstructionSet) {
@@ -219,7 +311,7 @@ TEST_P(Packets, GiveTheSameBitsWithAnyVectorInstructionSet) {
   const Tracer tracer(meshes, {Precision::fast, GetParam()});
   for (size_t count : {2u, 4u, 5u, 16u})
     for (int i = 0; i < 20; ++i) {
-      const std::vector<Ray> rays = bundle(random, count, 0.01f);
+      const std::vector<Ray> rays = i % 2 == 0 ? bundle(random, count, 0.01f) : parallel_bundle(random, count, 0.1f);
       const auto want = trace_packet(best, rays, Visibility::visible);
       const auto got = trace_packet(tracer, rays, Visibility::visible);
       for (size_t r = 0; r < count; ++r) expect_same(got[r], want[r]);
@@ -237,7 +329,7 @@ TEST(Packets, ShareMostOfTheirWork) {
     if (tracer.instruction_set() == InstructionSet::scalar) GTEST_SKIP() << "no vector instructions here";
     Tracer::Workspace alone, together;
     for (int i = 0; i < 20; ++i) {
-      const std::vector<Ray> rays = bundle(random, 16, 0.005f);
+      const std::vector<Ray> rays = i % 2 == 0 ? bundle(random, 16, 0.005f) : parallel_bundle(random, 16, 0.05f);
       for (const Ray& ray : rays) tracer.trace(ray, Visibility::visible, alone);
       tracer.trace_packet(rays, Visibility::visible, together);
     }

@@ -71,6 +71,89 @@ TEST(ExactShadows, OfSlatsThatPass) {
     }
 }
 
+/// A shadow's edge passes: each pixel is lit until then, though neighbours' rays go together.
+TEST(ExactShadows, BelongToTheirPixels) {
+  Shot shot = slats(1, 2);
+  shot.meshes[1] = sliding(parallelogram({-12, -5, -2}, {3.5f, 0, 0}, {0, 10, 0}, 0), 2);
+  const double lit = 3 / std::numbers::sqrt2 * 0.5 / std::numbers::pi, pixel = 0.1 / 6;
+  for (const IntegratorKind integrator : kIntegrators)
+    for (const int rays : {1, 4}) {
+      const Image image = render(shot, params_of(Shadows::exact, rays, 1, ShadingKind::whitted, integrator));
+      for (size_t i = 0; i < 48; ++i) {
+        const double x = (static_cast<double>(i % 8) + 0.5 - 4) * pixel;
+        EXPECT_NEAR(image.find("R")->values[i], lit * (x + 0.5) / 2, lit * pixel / 3) << to_string(integrator) << rays;
+      }
+    }
+}
+
+/// Two suns, of which one stands straight above, and one lamp; triangles of all sizes that fly about.
+TEST(ExactShadows, OfPointsBesideEachOtherAreThoseOfEachAlone) {
+  const uint32_t seed = test::seed();
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  const auto vector = [&] {
+    const float x = uniform(random), y = uniform(random), z = uniform(random);
+    return Vec3f{x, y, z};
+  };
+  Shot shot;
+  shot.materials = {lambert({0.5f, 0.5f, 0.5f})};
+  shot.meshes = {parallelogram({-20, -20, -10}, {40, 0, 0}, {0, 40, 0}, 0)};
+  for (int i = 0; i < 200; ++i) {
+    const float size = 0.05f + 0.5f * std::abs(uniform(random));
+    shot.meshes.push_back(sliding(parallelogram(vector() * 3 + Vec3f{0, 0, -6}, vector() * size, vector() * size, 0),
+                                  4 * uniform(random)));
+  }
+  const Vec3f slanted{uniform(random), uniform(random), -1};
+  shot.lights = {DirectionalLight{{0, 0, -1}, {1, 1, 1}}, DirectionalLight{slanted, {1, 1, 1}},
+                 PointLight{{0, 0, -1}, {30, 30, 30}}};
+  shot.projection.width = 8;
+  shot.projection.height = 6;
+  shot.projection.orthographic = true;
+  shot.projection.view_height = 0.1;
+  const Shader shader(shot, ShadingKind::whitted, false);
+  const Tracer tracer(shot.meshes, {Precision::fast, {}});
+  const DiscreteScene scene(shot.meshes);
+  const ExactShadows shadows(shader, tracer, scene, shader.resting_receivers());
+  RestingLightSteps together, alone;
+  int looks = 0, same = 0, changes = 0;
+  for (int round = 0; round < 20; ++round) {
+    // They are looked at from straight above, within a few pixels, and one from farther off.
+    std::vector<Ray> rays;
+    const Vec3f middle = Vec3f{uniform(random), uniform(random), 0} * 2;
+    for (int i = 0; i < 20; ++i) {
+      const float apart = i == 19 ? 3 : 0.02f;
+      rays.push_back({middle + Vec3f{uniform(random), uniform(random), 0} * apart + Vec3f{0, 0, -9}, {0, 0, -1}});
+    }
+    together.clear();
+    for (const Ray& ray : rays) together.add(shadows, ray, 0, 0);
+    together.look(shadows, {});
+    ASSERT_EQ(together.points(), rays.size());
+    const auto light = [](std::span<const RestingLightSteps::Step> steps) {
+      float begin = 0;
+      double sum = 0;
+      for (const auto& step : steps) {
+        sum += static_cast<double>(step.light.x * (step.end - begin));
+        begin = step.end;
+      }
+      EXPECT_EQ(begin, 1);
+      return sum;
+    };
+    for (size_t i = 0; i < rays.size(); ++i) {
+      alone.look(shadows, rays[i], 0, 0, {});
+      EXPECT_EQ(together.lights(i), alone.lights());
+      EXPECT_EQ(together.unhidden(i), alone.unhidden());
+      ++looks;
+      same += std::abs(light(together.steps(i)) - light(alone.steps())) < 1e-3 * alone.unhidden().x;
+      changes += alone.changes();
+    }
+  }
+  EXPECT_GT(changes, looks / 4) << "seed " << seed;
+  EXPECT_GE(same, looks - looks / 100) << "seed " << seed;
+  if (tracer.instruction_set() == InstructionSet::scalar) return;
+  EXPECT_EQ(together.counters().rays, alone.counters().rays);
+  EXPECT_LT(together.counters().nodes, alone.counters().nodes * 2 / 3);  // those to the lamp go alone
+}
+
 /// Where they are sampled, the rays of a pixel that see one thing all the time look at it at instants of their own.
 TEST(ExactShadows, SampledOnesAreSpreadOverTheShutter) {
   Shot shot = slats(1, 2);
