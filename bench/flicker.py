@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How much the noise of light flickers over the frames of a sequence, with light that pixels share and without, in equal time.
 
-    bench/flicker.py FOLDER [--scene NAME] [--kairos build/release/bin/kairos] [--size 640x360] [--frames 0-47] [--samples 4,8,16,32,64]
+    bench/flicker.py FOLDER [--scene NAME|FILE] [--kairos build/release/bin/kairos] [--size 640x360] [--frames 0-47] [--samples 4,8,16,32,64]
                      [--shared 16,32] [--reference 512]
 
 FOLDER: where scenes are, or are made, and pictures go. Renders the frames by discrete samples without cells (--samples, a number of them for each row), and by
@@ -27,8 +27,8 @@ class Sequences:
     def __init__(self, args):
         self.args = args
         self.folder = pathlib.Path(args.folder)
-        self.scene = self.folder / args.scene / "scene.json"
-        if not self.scene.exists():
+        self.scene = pathlib.Path(args.scene) if "." in args.scene else self.folder / args.scene / "scene.json"
+        if not self.scene.exists() and "." not in args.scene:
             subprocess.run([sys.executable, ROOT / "tools/make_scenes.py", args.scene, "-o", self.folder], check=True, stdout=subprocess.DEVNULL)
 
     def render(self, name, *options):
@@ -71,7 +71,7 @@ def main():
     sequences = Sequences(args)
     reference, _ = sequences.render("reference", "--integrator", "qmc", "--spp", args.reference, "--seed", 1001)
     commit = subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
-    print(f"{args.scene}, frames {args.frames}, {args.size}, one seed, against {args.reference} discrete samples, commit {commit}\n")
+    print(f"{sequences.scene.parent.name if sequences.scene.stem == 'scene' else sequences.scene.name}, frames {args.frames}, {args.size}, one seed, against {args.reference} discrete samples, commit {commit}\n")
     print("| samples | seconds a frame | error | flicker | of discrete samples in that time |\n| --- | --- | --- | --- | --- |", flush=True)
     rows = []
     for spp in args.samples:

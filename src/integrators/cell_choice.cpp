@@ -25,7 +25,7 @@ constexpr uint32_t kSlices = 4;
 constexpr CellOptions kAsOne[] = {
     {1, 0.25, 1, true}, {2, 0.25, 1, true}, {4, 0.25, 1, true}, {4, 0.125, 1, true}, {8, 0.25, 1, true}};
 constexpr CellOptions kAmongLights[] = {
-    {4, 0.5, 1, false}, {4, 0.5, kSlices, false}, {8, 0.25, 1, false}, {8, 0.5, kSlices, false}};
+    {4, 0.5, 1, false}, {4, 0.5, kSlices, false}, {4, 0.25, 1, false}, {8, 0.25, 1, false}, {8, 0.5, kSlices, false}};
 /// Without a race.
 constexpr size_t kUsual = 1;
 /// How many times as long as to trace a look-up and to find its cell (in nanoseconds) it takes to shade it.
@@ -35,10 +35,14 @@ double shading_price(const Shot& shot, ShadingKind shading) {
 }
 
 /// What the candidates are compared by: time, and error, of which visibility has a part that is half as large as that
-/// of light which every look-up asks for. price: see shading_price().
-double cost(const CellOptions& cells, double price, double shared_error, double alone_error) {
-  return (1 + cells.rate * price) * (shared_error + alone_error / 2);
+/// of light which every look-up asks for. price: see shading_price(). blur: see blur_price().
+double cost(const CellOptions& cells, double price, double blur, double shared_error, double alone_error) {
+  return (1 + cells.rate * price) * (shared_error + alone_error / 2) * std::pow(cells.side, blur);
 }
+
+/// The fainter the noise, the more is seen of the blur of large cells: with many look-ups, smaller ones are taken that
+/// are about as good. A power of the side: 0 up to 16 look-ups in a pixel, 0.15 at 64.
+double blur_price(double look_ups) { return std::clamp(0.075 * std::log2(look_ups / 16), 0.0, 0.3); }
 
 /// Squares that are raced hold one pixel in so many; of the first of these sizes of which there are `least`.
 struct Squares {
@@ -184,9 +188,9 @@ class SquareRace {
 /// What is known of a candidate.
 struct Runner {
   CellOptions cells;
-  double price = 1;  // see shading_price()
+  double price = 1, blur = 0;  // see cost()
   Duel duel{};
-  double costs() const { return cost(cells, price, duel.mean_ours(), duel.mean_theirs()); }
+  double costs() const { return cost(cells, price, blur, duel.mean_ours(), duel.mean_theirs()); }
 };
 
 }  // namespace
@@ -217,7 +221,7 @@ std::optional<CellOptions> choose_cells(const PixelContext& context, const Shot&
 
   const double price = shading_price(shot, params.shading);
   std::vector<Runner> runners;
-  for (const CellOptions& candidate : candidates) runners.push_back({candidate, price});
+  for (const CellOptions& candidate : candidates) runners.push_back({candidate, price, blur_price(look_ups)});
   const auto race = [&](uint64_t first, uint64_t last) {  // squares
     std::vector<CellOptions> running;
     for (const Runner& runner : runners) running.push_back(runner.cells);
