@@ -111,6 +111,7 @@ class Square {
 struct Errors {
   double alone = 0;
   std::vector<double> shared;  // [candidate]
+  double lit = 0, unlit = 0;   // how bright the pixel is, and would be with colours that are not lit
 };
 
 /// As a display shows it: of so many samples, those given and others that are dark.
@@ -120,6 +121,7 @@ Vec3f shown(Vec3f sum, uint32_t samples) {
   return sum;
 }
 
+double sum_of(Vec3f v) { return static_cast<double>(v.x + v.y + v.z); }
 double product(Vec3f a, Vec3f b) { return static_cast<double>(dot(a, b)); }
 
 class SquareRace {
@@ -136,6 +138,8 @@ class SquareRace {
     for (size_t i = 0; i < pixels_.size(); ++i) {
       alone_[i] = {shaded_alone(square, pixels_[i], 0), shaded_alone(square, pixels_[i], 1)};
       errors[i].alone = product(alone_[i][0] - alone_[i][1], alone_[i][0] - alone_[i][1]) / 2;
+      errors[i].lit = sum_of(alone_[i][0]);
+      errors[i].unlit = sum_of(unlit(square, pixels_[i]));
     }
     surfaces_.resize(square.look_ups().count());
     shader_.own_light(square.look_ups().queries(), candidates.front().share_asked, surfaces_);
@@ -161,6 +165,14 @@ class SquareRace {
     shader_.shade(own_, shades_);
     Vec3f sum{};
     for (const Shade& shade : shades_) sum += shade.colour;
+    return shown(sum, samples_);
+  }
+
+  Vec3f unlit(const Square& square, size_t pixel) const {
+    const auto [begin, end] = square.of(pixel);
+    Vec3f sum{};
+    for (const ShadingQuery& query : square.look_ups().queries().subspan(begin, end - begin))
+      sum += shader_.unlit_colour(query);
     return shown(sum, samples_);
   }
 
@@ -195,13 +207,13 @@ struct Runner {
 
 }  // namespace
 
-std::optional<CellOptions> choose_cells(const PixelContext& context, const Shot& shot, const RenderParams& params,
-                                        const DiscreteScene& scene, double look_ups, Monitor& monitor) {
-  if (params.cells == Cells::off || !is_lit(params.shading) || context.needs.over_time()) return std::nullopt;
+CellChoice choose_cells(const PixelContext& context, const Shot& shot, const RenderParams& params,
+                        const DiscreteScene& scene, double look_ups, Monitor& monitor) {
+  if (params.cells == Cells::off || !is_lit(params.shading) || context.needs.over_time()) return {};
   const bool open = params.cells == Cells::automatic;
-  if (open && params.integrator == IntegratorKind::qmc) return std::nullopt;
+  if (open && params.integrator == IntegratorKind::qmc) return {};
   const bool as_one = common_motion(shot).has_value();
-  if (open && !context.shader.shares_light(as_one)) return std::nullopt;
+  if (open && !context.shader.shares_light(as_one)) return {};
 
   const std::span<const CellOptions> candidates = as_one ? std::span<const CellOptions>(kAsOne) : kAmongLights;
   const auto width = static_cast<uint64_t>(shot.projection.width),
@@ -209,7 +221,7 @@ std::optional<CellOptions> choose_cells(const PixelContext& context, const Shot&
   const auto number = [&](const Squares& of) { return width * height / (of.pixels_per_raced * of.side * of.side); };
   const auto fits = [&](const Squares& of) { return number(of) >= of.least && std::min(width, height) >= of.side; };
   const auto* const squares = std::find_if(std::begin(kSquares), std::end(kSquares), fits);
-  if (squares == std::end(kSquares)) return open ? std::nullopt : std::optional(candidates[kUsual]);
+  if (squares == std::end(kSquares)) return open ? CellChoice{} : CellChoice{candidates[kUsual]};
   uint64_t side = squares->side;
   const uint64_t count = std::min(number(*squares), kMostSquares);
   while (side > 1 && look_ups * static_cast<double>(side * side) > kMostRacedLookUps) side /= 2;
@@ -220,6 +232,7 @@ std::optional<CellOptions> choose_cells(const PixelContext& context, const Shot&
   const Sampler::Pixel everywhere = places.pixel(0, 0);
 
   const double price = shading_price(shot, params.shading);
+  double lit = 0, unlit = 0;  // sums over all pixels that are looked at
   std::vector<Runner> runners;
   for (const CellOptions& candidate : candidates) runners.push_back({candidate, price, blur_price(look_ups)});
   const auto race = [&](uint64_t first, uint64_t last) {  // squares
@@ -239,8 +252,11 @@ std::optional<CellOptions> choose_cells(const PixelContext& context, const Shot&
       }
     });
     for (const auto& of_square : errors)
-      for (const Errors& pixel : of_square)
+      for (const Errors& pixel : of_square) {
+        lit += pixel.lit;
+        unlit += pixel.unlit;
         for (size_t c = 0; c < runners.size(); ++c) runners[c].duel.add(pixel.shared[c], pixel.alone);
+      }
   };
   // The worse half drops out after the first quarter of the squares.
   const uint64_t heats = (count + 3) / 4;
@@ -251,16 +267,17 @@ std::optional<CellOptions> choose_cells(const PixelContext& context, const Shot&
     runners.resize((runners.size() + 1) / 2);
     race(heats, count);
   }
-  std::optional<CellOptions> best;
+  CellChoice best;
   double least = std::numeric_limits<double>::infinity();
   bool any_wins = false;
   for (const Runner& runner : runners) {
     any_wins = any_wins || runner.duel.is_won();
     if ((open && !(runner.duel.mean_ours() < runner.duel.mean_theirs())) || !(runner.costs() < least)) continue;
-    best = runner.cells;
+    const double brighter = lit > 0 ? unlit / lit : 0;
+    best = {runner.cells, std::max(0.0, runner.duel.mean_ours()) * brighter * brighter};
     least = runner.costs();
   }
-  return any_wins || !open ? best : std::nullopt;
+  return any_wins || !open ? best : CellChoice{};
 }
 
 }  // namespace kairos

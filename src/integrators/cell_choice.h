@@ -10,7 +10,14 @@
 
 namespace kairos {
 
-/// Of a picture with about so many look-ups in each pixel. Nothing where light is not to be shared: it is not wanted,
+struct CellChoice {
+  std::optional<CellOptions> cells;
+  /// Squared error of the light of a pixel, in the mean, as if surfaces were as bright as Shader::unlit_colour has
+  /// them; 0: unknown.
+  double light_error = 0;
+};
+
+/// Of a picture with about so many look-ups in each pixel. No cells where light is not to be shared: it is not wanted,
 /// there is none that could be, or cells of no size are clearly nearer to the truth than light that every look-up asks
 /// for itself.
 ///
@@ -20,7 +27,7 @@ namespace kairos {
 /// pixel shows by cells, U1 and U2 what it shows by these, (A - U1)(A - U2) is the squared error of A in the mean, bias
 /// and noise, and (U1 - U2)^2 / 2 that of light asked for alone: the same rays see the same surfaces in all three.
 /// docs/method.md, "Surface cells".
-std::optional<CellOptions> choose_cells(const PixelContext& context, const Shot& shot, const RenderParams& params,
-                                        const DiscreteScene& scene, double look_ups, Monitor& monitor);
+CellChoice choose_cells(const PixelContext& context, const Shot& shot, const RenderParams& params,
+                        const DiscreteScene& scene, double look_ups, Monitor& monitor);
 
 }  // namespace kairos

@@ -35,9 +35,12 @@ class MixedIntegrator : public Integrator {
     if (frame_.automatic && !frame_.mask.empty()) stats.prices = frame_.plan.prices;
     if (known_) return;
     choose_shadows(frame_, monitor);
-    if (frame_.shading.clusters == Clusters::pixel)
-      frame_.plan.cells =
+    if (frame_.shading.clusters == Clusters::pixel) {
+      const CellChoice choice =
           choose_cells(frame_.context, frame_.shot, frame_.params, frame_.scene, frame_.look_ups(), monitor);
+      frame_.plan.cells = choice.cells;
+      frame_.light_error = choice.light_error;
+    }
     frame_.use_cells();
     frame_.price_shared_light();
     look_around(frame_, monitor, stats);

@@ -82,6 +82,7 @@ class MixedFrame {
   std::optional<ExactShadows> tc_shadows;       ///< unset: they are sampled
   std::optional<ExactShadows> resting_shadows;  ///< where nothing moves but shadows; unset: they are sampled
   std::optional<ExactMirrors> resting_mirrors;  ///< where nothing moves but what they show; unset: that is sampled
+  double light_error = 0;                       ///< of shared light, with `budget` look-ups in a pixel; see CellChoice
   bool will_race = false;                       ///< until then any pixel may get time-continuous rays
 };
 

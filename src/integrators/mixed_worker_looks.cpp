@@ -101,6 +101,7 @@ RacedPixel MixedWorker::race(int x, int y, Monitor& monitor) {
   const Surroundings& around = frame_.surroundings;
   RacedPixel result;
   result.speed = frame_.speed(x, y);
+  const auto look_ups = [&](uint32_t rays) { return static_cast<double>(rays) * frame_.shading.samples; };
   const auto counts = raced_counts(frame_.raced_rays(), context_.sampler.count(), frame_.races_thriftily());
   for (size_t i = 0; i < counts.size(); ++i) result.tc[i].count = counts[i];
   using Pair = std::array<Vec3f, 2>;
@@ -138,11 +139,13 @@ RacedPixel MixedWorker::race(int x, int y, Monitor& monitor) {
     colour_unlit();
     discrete[half] = reduce(record_.finish(), {}, false).colour;
   }
-  result.discrete_error = squared_error(discrete);
+  // Colours had no noise of light; what there is falls with the number of look-ups.
+  result.discrete_error = squared_error(discrete) + frame_.light_error;
   for (size_t i = 0; i < result.tc.size(); ++i) {
     RacedPixel::Rays& rays = result.tc[i];
     if (rays.count == 0) continue;
-    for (size_t way = 0; way < rays.error.size(); ++way) rays.error[way] = squared_error(seen[i][way]);
+    for (size_t way = 0; way < rays.error.size(); ++way)
+      rays.error[way] = squared_error(seen[i][way]) + frame_.light_error * frame_.budget / look_ups(rays.count);
     // They were traced by themselves.
     rays.time *= strip_share(frame_.plan.work, around, rays.count);
     if (around.anything_still) rays.time += rays.count * resting_sample_time({}, around);

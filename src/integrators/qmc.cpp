@@ -15,7 +15,7 @@ class QmcIntegrator : public Integrator {
       : shot_(shot), params_(params), context_(context), scene_(scene) {}
 
   void prepare(Monitor& monitor, RenderStats& /*stats*/) override {
-    const auto cells = choose_cells(context_, shot_, params_, scene_, params_.spp, monitor);
+    const auto cells = choose_cells(context_, shot_, params_, scene_, params_.spp, monitor).cells;
     cells_ = plan_cells(shot_, params_, cells, params_.spp);
   }
 

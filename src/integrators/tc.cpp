@@ -141,7 +141,7 @@ class TcIntegrator : public Integrator {
       for (size_t mesh = 0; mesh < plan_.exact_mirrors.size(); ++mesh)
         if (plan_.exact_mirrors[mesh]) plan_.exact_shadows[mesh] = false;
     if (scene_ != nullptr && plan_.exact_mirrors.empty() && shading_.clusters == Clusters::pixel)
-      plan_.cells = choose_cells(context_, shot, params_, *scene_, look_ups(), monitor);
+      plan_.cells = choose_cells(context_, shot, params_, *scene_, look_ups(), monitor).cells;
   }
 
   double look_ups() const { return params_.tc_rays * shading_.samples; }
