@@ -33,13 +33,13 @@ double lit_sample_time(const Shot& shot, ShadingKind shading) {
 }
 
 double weighing_time(const Shot& shot) {
-  constexpr double kTriangle = 250;
+  constexpr double kWeighing = 250;
   constexpr size_t kMostWeighed = 64;  // of more, a tree is asked
   size_t glowing = 0;
   for (const Mesh& mesh : shot.meshes)
     if (mesh.material < shot.materials.size() && shot.materials[mesh.material].emission != Vec3f{})
       glowing += mesh.triangle_count();
-  return kTriangle * static_cast<double>(std::min(glowing, kMostWeighed));
+  return kWeighing * static_cast<double>(std::min(glowing, kMostWeighed));
 }
 
 }  // namespace kairos
