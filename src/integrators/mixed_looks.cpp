@@ -142,10 +142,13 @@ void allot(MixedFrame& frame, const std::vector<LookedAt>& looks, Monitor& monit
   frame.plan.spread = split_time(decided, frame.budget, raced > 0 ? decided.discrete_error() / raced : 0, contestants);
 }
 
-/// Is what pixels with discrete samples have as many samples as without a rule, and better off so?
+/// Are pixels with discrete samples better off with the budget for each? What exact looks take comes out of the
+/// samples: there the rule stays.
 bool is_better_alike(const MixedFrame& frame, const std::vector<LookedAt>& looks) {
   const std::optional<SampleSpread>& spread = frame.plan.spread;
-  if (!spread || !is_lit(frame.params.shading) || spread->first() != first_samples(frame.budget)) return false;
+  if (frame.plan.still_rays_per_exact > 0 || !spread || !is_lit(frame.params.shading) ||
+      spread->first() != first_samples(frame.budget))
+    return false;
   std::vector<PixelLook> discrete;
   for (const LookedAt& look : looks)
     if (!look.tc_possible || frame.plan_pixel(look.x, look.y).tc_rays == 0) discrete.push_back(look.pixel);

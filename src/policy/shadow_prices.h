@@ -11,10 +11,10 @@ namespace kairos {
 // Nanoseconds on one thread of an AMD EPYC (Zen 4) with AVX-512, measured by bench/light.py --shadow-prices on the
 // scene shade (320x180, median of 5); only their ratios matter.
 inline constexpr double kLightRayTime = 141;      ///< of a shading sample to a light, with what it brings
-inline constexpr double kRestingLightTime = 300;  ///< of an exact look, but for its time-continuous rays
+inline constexpr double kRestingLightTime = 450;  ///< of an exact look, but for its time-continuous rays
 /// Of a time-continuous ray for which any hit will do, relative to what its counts say of one that looks for the
-/// nearest.
-inline constexpr double kAnyHitShare = 0.3;
+/// nearest: an exact look takes 613, 844 and 3200 ns on fan, shade and blades, whose counts say 0, 225 and 1169.
+inline constexpr double kAnyHitShare = 1.75;
 
 /// Of exact looks, of which the time-continuous rays' counts are known.
 inline double exact_look_time(double looks, const TraceCounters& work) {
