@@ -2,7 +2,7 @@
 """Lit pictures: the error of time-continuous rays, mixed and auto beside discrete samples in the same time, scene by scene.
 
     bench/light.py FOLDER [--kairos build/release/bin/kairos] [--scenes NAME,...] [--size 320x180] [--budgets 16,64] [--seeds 3]
-                   [--reference 1024] [--shading whitted]
+                   [--reference 1024] [--shading whitted] [--csv FILE]
     bench/light.py FOLDER --scan
     bench/light.py FOLDER --shadow-prices [--scenes shade]
     bench/light.py FOLDER --ground
@@ -10,7 +10,7 @@
 
 FOLDER: where scenes are, or are made, and pictures go. Prints a table in Markdown: decibels against discrete samples (two pictures of --reference samples, whose own
 noise is taken off; values above 1 count as 1), in seconds of processor time of one thread without loading and building, and the gain over discrete
-samples on straight lines of decibels over the logarithm of time; medians over seeds. Below, which method loses where. With --scan it looks instead for pixels that are
+samples on straight lines of decibels over the logarithm of time; medians over seeds. Below, which method loses where. --csv: the same as numbers, for bench/run.py. With --scan it looks instead for pixels that are
 negative or no number in pictures of few samples of all scenes by all integrators, and ends with status 1 where it finds one. With --shadow-prices it
 measures what exact and sampled shadows cost, in nanoseconds, for the constants of src/policy/ray_prices.h and shadow_race.cpp. With --ground it compares what
 the sun brings to the ground under the blades, discrete and exact in time, where the ground alone is seen. With --film it runs bench_cells, which lies beside
@@ -20,6 +20,7 @@ Needs Python's standard library alone.
 """
 import argparse
 import array
+import csv
 import json
 import math
 import os
@@ -176,6 +177,9 @@ def gain(points, time, level):
     return level - (l0 + (l1 - l0) * math.log(time / t0) / math.log(t1 / t0))
 
 
+CSV = "scene size shading method budget db seconds gain seeds reference commit".split()
+
+
 def row(renderer, name, args):
     first, _ = renderer.render(name, "--integrator", "qmc", "--spp", args.reference, "--seed", 1001)
     second, _ = renderer.render(name, "--integrator", "qmc", "--spp", args.reference, "--seed", 1002)
@@ -188,20 +192,23 @@ def row(renderer, name, args):
                 runs = [renderer.render(name, *options, "--seed", seed) for seed in range(args.seeds)]
                 level = decibels(statistics.median(squared(picture, reference) for picture, _ in runs) - noise)
                 found.setdefault(method, []).append((statistics.median(t for _, t in runs), level))
-    cells = []
-    losses = []
+    cells, losses, rows = [], [], []
     for method, points in found.items():
         texts = []
         for budget, (time, level) in zip(args.budgets, points):
             text = f"{level:.1f} in {time:.2f}"
+            lead = gain(found["discrete"], time, level)
+            rows.append([name, args.size, args.shading, method, budget, f"{level:.3f}", f"{time:.4f}", f"{lead:.3f}", args.seeds, args.reference, commit_name()])
             if method != "discrete":
-                lead = gain(found["discrete"], time, level)
                 text += f" ({lead:+.1f})"
                 if lead < -0.3:
                     losses.append(f"{method} on {name} at {budget}: {lead:+.1f} dB")
             texts.append(text)
         cells.append("; ".join(texts))
     print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
+    if args.csv:
+        with args.csv.open("a", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(rows)
     return losses
 
 
@@ -256,6 +263,7 @@ def main():
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--reference", type=int, default=1024)
     parser.add_argument("--shading", default="whitted")
+    parser.add_argument("--csv", type=pathlib.Path)
     parser.add_argument("--scan", action="store_true")
     parser.add_argument("--shadow-prices", action="store_true")
     parser.add_argument("--ground", action="store_true")
@@ -278,6 +286,8 @@ def main():
     commit = commit_name()
     print(f"{args.size}, budgets {', '.join(map(str, args.budgets))}, {args.seeds} seeds, 2 x {args.reference} discrete samples as reference, "
           f"--shading {args.shading}, commit {commit}. dB in seconds (gain over discrete samples in that time).\n")
+    if args.csv:
+        args.csv.write_text(",".join(CSV) + "\n")
     shown = ["discrete", *(m for m in ("auto", "mixed", "tc") if m in args.methods)]
     print("| scene | " + " | ".join(shown) + " |\n|" + " --- |" * (len(shown) + 1), flush=True)
     losses = [loss for name in args.scenes if renderer.scene(name) for loss in row(renderer, name, args)]

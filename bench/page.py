@@ -160,6 +160,22 @@ def gain_plot(gains):
                               svg_plot.even_marks(low, high), (low, high))
 
 
+def lit(rows):
+    """What bench/light.py has measured: a row for each scene."""
+    if not rows:
+        return "Nothing has been measured."
+    first, cells = rows[0], {}
+    for row in rows:
+        text = f"{float(row['db']):.1f} in {float(row['seconds']):.2f}"
+        gain = "" if row["method"] == "discrete" else f" ({float(row['gain']):+.1f})"
+        cells.setdefault(row["scene"], {}).setdefault(row["method"], []).append(text + gain)
+    methods = [m for m in ("discrete", "auto", "mixed", "tc") if any(m in of for of in cells.values())]
+    budgets = ", ".join(dict.fromkeys(row["budget"] for row in rows))
+    head = (f"{first['size']}, `--shading {first['shading']}`, budgets of {budgets} samples, seeds: {first['seeds']}, against 2 x {first['reference']} discrete samples whose noise is taken off, "
+            f"commit {', '.join(dict.fromkeys(row['commit'] for row in rows))}.")
+    return head + "\n\n" + table(["scene", *methods], [[scene, *("; ".join(of.get(m, [])) for m in methods)] for scene, of in cells.items()])
+
+
 def contents(docs):
     """(name: text) of the page's blocks and (name: text) of the pictures."""
     folder = docs / "results"
@@ -169,6 +185,7 @@ def contents(docs):
               "parts": parts(renders), "work": work(rays), "builds": builds(rays), "threads": threads(renders),
               "equal": equal(gains), "budgets": budgets(gains),
               "auto": auto_table.summary(read_rows(folder / "auto.csv") if (folder / "auto.csv").exists() else [], table),
+              "lit": lit(read_rows(folder / "light.csv") if (folder / "light.csv").exists() else []),
               "aims": aims_table(rays, renders, gains, growth, table),
               **{f"growth-{axis}": text for axis, text in growth_page.tables(growth, table, plain).items()}}
     pictures = {"ratios": ratio_plot(rays), "equal": gain_plot(gains),

@@ -25,6 +25,8 @@ class Effort:
     more_budgets: str = "4,8,16,32,64,128,256,512"  # where time-continuous rays are dear
     reference_spp: int = 2048
     auto: tuple = ("--rows", "30", "--seeds", "3")  # see bench/auto.cpp
+    light: tuple = ("--size", "320x180", "--seeds", "3", "--reference", "1024")  # see bench/light.py
+    unlit: tuple = ()  # of its scenes, those left out
     triangles: tuple = (10**4, 10**5, 10**6, 10**7)
     motions: tuple = (0, 1, 3, 10, 30, 100, 200, 400)  # pixels
     spans: tuple = (1, 2, 4, 8, 16)
@@ -39,6 +41,7 @@ FULL = Effort()
 QUICK = replace(FULL, rounds=3, tiles=32, incoherent=4000, build_rounds=1, render_rounds=2, bands=3, thread_rounds=2,
                 keys="0,3",
                 auto=("--rows", "15", "--seeds", "1", "--budgets", "4,16,64,256", "--tc-rays", "1,4,16"), seeds=2, study_rows=4, budgets="4,16,64,256", more_budgets="4,16,64,256",
+                light=("--size", "240x135", "--seeds", "1", "--reference", "192"), unlit=("kitchen",),
                 reference_spp=512, triangles=(10**4, 10**5), motions=(1, 10, 100), spans=(1, 16), sets=(1, 1024),
                 sizes=("320x180", "960x540"), resolution_of=("terrain",),
                 left_out=("kitchen-slow", "kitchen-large", "kitchen-fast", "foliage-whitted", "glass-whitted", "garden-large", "forest-large",
@@ -46,6 +49,7 @@ QUICK = replace(FULL, rounds=3, tiles=32, incoherent=4000, build_rounds=1, rende
 # Says nothing about speed, only that everything runs.
 TINY = replace(QUICK, scale=0.01, rounds=2, tiles=4, incoherent=100, render_rounds=2, thread_rounds=2, shot_size="32x18",
                large_size="64x36", side_scale=1 / 15, auto=("--rows", "2", "--seeds", "1", "--budgets", "4,16", "--tc-rays", "1", "--reference", "4"), study_rows=4, budgets="4,16,64,256", reference_spp=64,
+               light=("--size", "32x18", "--seeds", "1", "--reference", "4", "--budgets", "2,8"), unlit=("kitchen", "glass", "marbles", "hall", "still", "mirrors", "blades", "foliage", "fan"),
                triangles=(100, 1000), growth_triangles=100, motions=(1, 10), spans=(1, 2), sets=(1, 32), sizes=("32x18", "64x36"),
                left_out=(*QUICK.left_out, "garden-960", "forest", "veils", "hair"))
 

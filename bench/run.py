@@ -10,6 +10,7 @@ rays      time-continuous rays against the best discrete ray, building, bytes (b
 renders   the same with everything that a picture needs, in parts; one thread and two (bench_renders)
 equal     error at equal time (kairos study)
 auto      error and time of auto beside those of fixed choices (bench_auto)
+light     lit pictures: error and time of auto, mixed and tc beside discrete samples (bench/light.py)
 growth    with triangles, resolution, motion, key spans and sets of key times (bench_rays)
 
 Then collects OUT/results/*.csv and, with --page, takes them to DOCS/results/ and writes the tables and plots of
@@ -27,12 +28,13 @@ import sys
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
+import light  # noqa: E402
 import page  # noqa: E402
 import plan  # noqa: E402
 from jobs import Jobs, collect, say, write_rows  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PARTS = ["rays", "renders", "equal", "auto", "growth"]
+PARTS = ["rays", "renders", "equal", "auto", "light", "growth"]
 
 
 def make_scene(folder, name, arguments, options):
@@ -141,6 +143,22 @@ class Benchmark:
             command = ["bench_auto", path, "--size", size, *shot.options, *self.effort.auto]
             results.append((shot.name, self.jobs.run("auto", shot.name, command, self.scene_digest(path))))
         collect(results, self.out / "results/auto.csv")
+
+    def light(self):
+        results = []
+        for name, file in light.SCENES.items():
+            if name in self.effort.unlit:
+                continue
+            if file.split("/")[0] not in self.scenes:
+                there = make_scene(self.out / "scenes", file.split("/")[0], ["--scale", str(self.effort.scale)], self.options)
+                self.scenes[file.split("/")[0]] = self.out / "scenes" if there else None
+            if self.scenes[file.split("/")[0]] is None:
+                self.jobs.leave_out(f"light: {name}", f"needs third parties' scenes in {self.options.scenes}")
+                continue
+            program = self.jobs.bin / "kairos"
+            command = [ROOT / "bench/light.py", self.out / "scenes", "--kairos", program, "--scenes", name, *self.effort.light]
+            results.append((name, self.jobs.run("light", name, command, self.scene_digest(self.out / "scenes" / file))))
+        collect(results, self.out / "results/light.csv")
 
     def growth(self):
         results = []

@@ -109,7 +109,7 @@ def check_command():
     (out / "bench/raw/rays/wires.json").unlink()
     second = benchmark("--page", docs)
     check([name for name in second if name.startswith(("rays", "growth"))] == ["rays: wires"], f"measured again {second}")
-    check({"renders: blades", "equal: wires"} <= set(second), f"measured then {second}")
+    check({"renders: blades", "equal: wires", "light: shade"} <= set(second), f"measured then {second}")
     (out / "bench/studies/wires/comparisons.csv").unlink()
     runs = (out / "bench/studies/wires/runs.csv").read_text()
     third = benchmark("--page", docs)
@@ -123,7 +123,7 @@ def check_command():
         check(options.page == pathlib.Path("docs"), command)
     # Every number has found its place on the page.
     text = (docs / "results.md").read_text()
-    for shown in ("| blades |", "| terrain | 1,012 |", "| wires: tc, 16 rays |", "| cost ratio, blades, 16 rays |", "| swarm | 32 |", "| crowd, 200 figures |"):
+    for shown in ("| blades |", "| terrain | 1,012 |", "| wires: tc, 16 rays |", "| cost ratio, blades, 16 rays |", "| swarm | 32 |", "| crowd, 200 figures |", "| shade |"):
         check(shown in text, f"the page has no {shown}")
     gains = Gains(docs / "results")
     check(gains.gain("blades", "tc", "owen-sobol", "tc_rays", 4) is not None, "no gain at the time of four rays")
