@@ -10,6 +10,7 @@
 #include <kairos/render.h>
 
 #include "integrators/contrast.h"
+#include "policy/duel.h"
 #include "policy/race.h"
 #include "policy/time_split.h"
 
@@ -42,6 +43,17 @@ Race race_of(int pixels, const std::vector<RacedPixel>& each, double times = 1) 
     for (const RacedPixel& pixel : each) race.add(pixel);
   for (size_t lane = 0; lane < Race::kLanes; ++lane) race.give(lane, times);
   return race;
+}
+
+TEST(Duel, OfFewPixelsIsNotWonByWhatFewOfThemShow) {
+  const auto is_won = [](size_t pixels, size_t one_in) {
+    Duel duel;
+    for (size_t i = 0; i < pixels; ++i) duel.add(1e-6, i % one_in == 0 ? 1.0 : 0.0);
+    return duel.is_won();
+  };
+  EXPECT_TRUE(is_won(32, 1));
+  EXPECT_TRUE(is_won(320, 4));
+  EXPECT_FALSE(is_won(32, 5)) << "as much may be seen in the one pixel that was not looked at";
 }
 
 TEST(Race, IsWonBySpeed) {
