@@ -171,10 +171,10 @@ TEST(SurfaceCells, TakeNoiseAndLeaveTheMean) {
 }
 
 /// Of a crop of 32x32 pixels of a frame that is large enough for a race.
-std::vector<float> raced_crop(Shot shot, Cells cells, IntegratorKind kind, uint64_t seed) {
+std::vector<float> raced_crop(Shot shot, Cells cells, IntegratorKind kind, uint64_t seed, int spp = 8) {
   shot.projection.width = 200;
   shot.projection.height = 120;
-  RenderParams params = cell_params(kind, cells, 8, seed);
+  RenderParams params = cell_params(kind, cells, spp, seed);
   params.crop = Crop{64, 96, 32, 64};
   return colours_of(render(shot, params));
 }
@@ -199,6 +199,13 @@ TEST(SurfaceCells, AutoSharesLightWhereThatTakesNoise) {
     EXPECT_EQ(raced_crop(point_lit, Cells::automatic, kind, seed), raced_crop(point_lit, Cells::off, kind, seed));
     EXPECT_EQ(raced_crop(even, Cells::automatic, kind, seed), raced_crop(even, Cells::off, kind, seed));
   }
+  // In front of mirrors, samples that go where they are needed are worth more.
+  const uint64_t seed = random();
+  EXPECT_NE(raced_crop(sky_lit, Cells::automatic, IntegratorKind::automatic, seed, 16),
+            raced_crop(sky_lit, Cells::off, IntegratorKind::automatic, seed, 16));
+  sky_lit.meshes.push_back(parallelogram({0, -20, -5}, {2, 0, 1}, {0, 40, 0}, 2));
+  EXPECT_EQ(raced_crop(sky_lit, Cells::automatic, IntegratorKind::automatic, seed, 16),
+            raced_crop(sky_lit, Cells::off, IntegratorKind::automatic, seed, 16));
 }
 
 TEST(SurfaceCells, AreHalvedWhereLightChangesFast) {
